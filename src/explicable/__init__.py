@@ -1,0 +1,1 @@
+"""Robot plans that human teammates expect."""

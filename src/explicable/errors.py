@@ -1,0 +1,92 @@
+"""Every exception that the package raises, in one tree.
+
+::
+
+    ExplicableError
+    ├── UsageError (also a ValueError)    the caller handed in something that cannot be meant
+    ├── InputError                        foreign data is wrong; says file, line and column or record
+    │   ├── PDDLError                     a domain or problem file
+    │   │   └── UnsupportedFeatureError   well-formed PDDL that this package does not plan for
+    │   ├── PlanError                     a plan file, or a plan that its task refuses
+    │   ├── MapError                      a first-response map
+    │   ├── TraceError                    a file of labelled traces
+    │   └── LabellerError                 a labeller file
+    └── ResourceError                     a task needs more memory than was allowed
+
+*Unsolvable*, *out of time* and *the person deviated* are results, not exceptions.
+"""
+
+from pathlib import Path
+
+
+class ExplicableError(Exception):
+    """Base of every error that this package raises on purpose."""
+
+
+class UsageError(ExplicableError, ValueError):
+    """The caller handed in a value that cannot be meant."""
+
+
+class ResourceError(ExplicableError):
+    """A task needs more memory than the machine or the caller allows."""
+
+
+class InputError(ExplicableError):
+    """Data from outside is wrong.
+
+    Parameters
+    ----------
+    message
+        What is wrong, without the place.
+    path
+        File that the data came from, if any.
+    line, column
+        Place in the file, both counted from 1.
+
+    Examples
+    --------
+    >>> str(InputError("rows differ in length", path="a.map", line=3))
+    'a.map:3: rows differ in length'
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        path: str | Path | None = None,
+        line: int | None = None,
+        column: int | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.path = path
+        self.line = line
+        self.column = column
+
+    def __str__(self) -> str:
+        place = [str(part) for part in (self.path, self.line, self.column) if part is not None]
+        return f"{':'.join(place)}: {self.message}" if place else self.message
+
+
+class PDDLError(InputError):
+    """A domain or problem file is not what it claims to be."""
+
+
+class UnsupportedFeatureError(PDDLError):
+    """Well-formed PDDL that this package does not plan for."""
+
+
+class PlanError(InputError):
+    """A plan file is damaged, or its task refuses one of its steps."""
+
+
+class MapError(InputError):
+    """A first-response map breaks the format."""
+
+
+class TraceError(InputError):
+    """A file of labelled traces is damaged."""
+
+
+class LabellerError(InputError):
+    """A labeller file is damaged, foreign, or does not fit the problem."""

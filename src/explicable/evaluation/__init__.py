@@ -1,0 +1,1 @@
+"""Experiments, records, tables and reports."""

@@ -1,0 +1,1 @@
+"""The first-response domain of the paper."""

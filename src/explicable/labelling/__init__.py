@@ -1,0 +1,1 @@
+"""Learning from labelled plans what people find explicable."""

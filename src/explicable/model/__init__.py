@@ -1,0 +1,1 @@
+"""Planning models as frozen values."""

@@ -1,0 +1,147 @@
+"""Lifted planning models: domains and problems as written in PDDL.
+
+Everything here is a frozen value. Names are lower case. A term is a string: a variable begins with ``?``,
+anything else names an object. A ground atom is a plain tuple ``(predicate, object, ...)``.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+GroundAtom = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A typed variable; more than one type means ``(either ...)``."""
+
+    name: str
+    types: tuple[str, ...] = ("object",)
+
+
+@dataclass(frozen=True, slots=True)
+class Predicate:
+    """A declared predicate."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A declared numeric function, used for action costs only."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Atom:
+    """``(predicate term ...)``; equality is the predicate ``=``."""
+
+    predicate: str
+    terms: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Not:
+    """Negation of any formula."""
+
+    body: "Formula"
+
+
+@dataclass(frozen=True, slots=True)
+class And:
+    """Conjunction; with no parts it is true."""
+
+    parts: tuple["Formula", ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Or:
+    """Disjunction; with no parts it is false. ``imply`` is read as one."""
+
+    parts: tuple["Formula", ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Exists:
+    """Existential quantification."""
+
+    parameters: tuple[Parameter, ...]
+    body: "Formula"
+
+
+@dataclass(frozen=True, slots=True)
+class Forall:
+    """Universal quantification."""
+
+    parameters: tuple[Parameter, ...]
+    body: "Formula"
+
+
+Formula = Atom | Not | And | Or | Exists | Forall
+TRUE = And()
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """``(forall (parameters) (when condition [not] atom))``; plain effects have no parameters and a true condition."""
+
+    atom: Atom
+    positive: bool = True
+    condition: Formula = TRUE
+    parameters: tuple[Parameter, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionTerm:
+    """``(function term ...)`` as the amount of a cost increase."""
+
+    name: str
+    terms: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ActionSchema:
+    """An action as written: its cost is the sum of ``cost``, or 1 where the problem does not minimise cost."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    precondition: Formula
+    effects: tuple[Effect, ...]
+    cost: tuple[int | FunctionTerm, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Domain:
+    """A planning domain.
+
+    ``types`` maps each declared type to its parents (several for ``either``); ``object`` is the root and not
+    listed. ``constants`` maps each constant to its types.
+    """
+
+    name: str
+    requirements: frozenset[str]
+    types: Mapping[str, tuple[str, ...]]
+    constants: Mapping[str, tuple[str, ...]]
+    predicates: tuple[Predicate, ...]
+    functions: tuple[Function, ...]
+    actions: tuple[ActionSchema, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """A planning problem over a domain.
+
+    ``objects`` does not repeat the domain's constants. ``init`` holds the atoms that are true at the start;
+    ``values`` the initial numbers, among them what actions cost. ``minimize_cost`` says whether the metric is
+    ``total-cost``; otherwise each step costs 1.
+    """
+
+    name: str
+    domain: Domain
+    objects: Mapping[str, tuple[str, ...]]
+    init: tuple[GroundAtom, ...]
+    goal: Formula
+    values: Mapping[GroundAtom, int]
+    minimize_cost: bool = False
