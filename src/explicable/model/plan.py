@@ -79,7 +79,7 @@ def parse_action(text: str, path: str | Path | None = None, line: int | None = N
 
 
 def parse_plan(text: str, path: str | Path | None = None) -> tuple[GroundAtom, ...]:
-    """Read a plan: one ``(action object ...)`` a line, ``;`` begins a comment, blank lines are skipped.
+    r"""Read a plan: one ``(action object ...)`` a line, ``;`` begins a comment, blank lines are skipped.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def parse_plan(text: str, path: str | Path | None = None) -> tuple[GroundAtom, .
 
     Examples
     --------
-    >>> parse_plan("(move r1 a b)\\n; cost = 1 (unit cost)\\n")
+    >>> parse_plan("(move r1 a b)\n; cost = 1 (unit cost)\n")
     (('move', 'r1', 'a', 'b'),)
     """
     lines = ((number, line.split(";", 1)[0]) for number, line in enumerate(text.splitlines(), start=1))

@@ -1,0 +1,38 @@
+"""The house rules that a machine can check."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from importlinter.cli import lint_imports
+
+ROOT = Path(__file__).parents[1]
+
+
+CORE_USERS = re.compile(r"search/|labelling/|model/(task|grounding)\.py")
+
+
+def test_imports_run_downwards():
+    assert lint_imports() == 0
+
+
+def test_only_the_kernels_faces_touch_the_compiled_core():
+    package = ROOT / "src" / "explicable"
+    users = {
+        path.relative_to(package).as_posix() for path in package.rglob("*.py") if "_core" in path.read_text()
+    }
+    assert {path for path in users if not CORE_USERS.match(path)} == set()
+
+
+def test_the_command_line_starts_without_heavy_libraries():
+    listing = "import sys, explicable.cli; explicable.cli.run(['plan', '--help']); print(sorted(sys.modules))"
+    shown = subprocess.run([sys.executable, "-c", listing], capture_output=True, text=True, check=True).stdout
+    for heavy in ("scipy", "sklearn", "rich", "jinja2"):
+        assert f"'{heavy}'" not in shown
+
+
+def test_constraints_name_versions_and_no_addresses():
+    lines = (ROOT / "constraints.txt").read_text().split()
+    assert lines
+    assert all(re.fullmatch(r"[A-Za-z0-9_.-]+==[A-Za-z0-9.+!]+", line) for line in lines)
