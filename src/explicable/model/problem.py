@@ -65,7 +65,7 @@ class Or:
 
 @dataclass(frozen=True, slots=True)
 class Exists:
-    """Existential quantification."""
+    """Existential quantification; its parameters hide outer variables of the same name."""
 
     parameters: tuple[Parameter, ...]
     body: "Formula"
@@ -73,7 +73,7 @@ class Exists:
 
 @dataclass(frozen=True, slots=True)
 class Forall:
-    """Universal quantification."""
+    """Universal quantification; its parameters hide outer variables of the same name."""
 
     parameters: tuple[Parameter, ...]
     body: "Formula"
@@ -85,7 +85,10 @@ TRUE = And()
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """``(forall (parameters) (when condition [not] atom))``; plain effects have no parameters and a true condition."""
+    """``(forall (parameters) (when condition [not] atom))``.
+
+    A plain effect has no parameters and a true condition. A parameter hides the action's of the same name.
+    """
 
     atom: Atom
     positive: bool = True
@@ -103,7 +106,10 @@ class FunctionTerm:
 
 @dataclass(frozen=True, slots=True)
 class ActionSchema:
-    """An action as written: its cost is the sum of ``cost``, or 1 where the problem does not minimise cost."""
+    """An action as written.
+
+    It costs the sum of ``cost``, or 1 where the problem does not minimise cost.
+    """
 
     name: str
     parameters: tuple[Parameter, ...]
@@ -117,7 +123,7 @@ class Domain:
     """A planning domain.
 
     ``types`` maps each declared type to its parents (several for ``either``); ``object`` is the root and not
-    listed. ``constants`` maps each constant to its types.
+    listed. ``constants`` maps each constant to its types; it belongs to each of them.
     """
 
     name: str
@@ -145,3 +151,29 @@ class Problem:
     goal: Formula
     values: Mapping[GroundAtom, int]
     minimize_cost: bool = False
+
+
+def ancestors(types: Mapping[str, tuple[str, ...]]) -> dict[str, frozenset[str]]:
+    """Give each type with all its supertypes, itself and ``object`` included.
+
+    Parameters
+    ----------
+    types
+        Each type with its parents, as in ``Domain.types``.
+
+    Examples
+    --------
+    >>> sorted(ancestors({"truck": ("vehicle",), "vehicle": ("object",)})["truck"])
+    ['object', 'truck', 'vehicle']
+    """
+    found = {"object": frozenset(("object",))}
+    for name, parents in types.items():
+        above = {name, "object"}
+        pending = list(parents)
+        while pending:
+            parent = pending.pop()
+            if parent not in above:
+                above.add(parent)
+                pending.extend(types[parent])
+        found[name] = frozenset(above)
+    return found

@@ -1,0 +1,454 @@
+"""PDDL text -> model, with every name checked and every error placed."""
+
+import re
+from collections.abc import Container, Mapping
+from operator import getitem
+from pathlib import Path
+
+from explicable.errors import PDDLError, UnsupportedFeatureError
+from explicable.model.problem import (
+    TRUE,
+    ActionSchema,
+    Domain,
+    Formula,
+    Function,
+    GroundAtom,
+    Parameter,
+    Predicate,
+    Problem,
+    ancestors,
+)
+from explicable.pddl.formulas import KEYWORDS, EffectList, FormulaReader
+from explicable.pddl.source import Cursor, Source, Warn
+from explicable.pddl.vocabulary import (
+    Requirements,
+    Typed,
+    Vocabulary,
+    read_requirements,
+    read_typed_list,
+    read_types,
+)
+
+_DOMAIN_SECTIONS = (
+    ":requirements",
+    ":types",
+    ":constants",
+    ":predicates",
+    ":functions",
+    ":action",
+)
+_PROBLEM_SECTIONS = (":domain", ":requirements", ":objects", ":init", ":goal", ":metric", ":length")
+_UNSUPPORTED_SECTIONS = {
+    ":durative-action": "durative actions",
+    ":derived": "derived predicates",
+    ":axiom": "axioms",
+    ":constraints": "constraints",
+    ":safety": "safety constraints",
+    ":process": "processes",
+    ":event": "events",
+    ":extends": "domains that extend others",
+    ":timeless": "timeless facts",
+    ":situation": "named initial situations",
+    ":method": "hierarchical tasks",
+    ":task": "hierarchical tasks",
+    ":tasks": "hierarchical tasks",
+    ":htn": "hierarchical tasks",
+    ":observe": "sensing",
+}
+_FLAT_ATOM = re.compile(r"\s*+\(([^()?]*+)\)")
+
+
+def parse_domain(text: str, path: str | Path | None = None, *, warn: Warn | None = None) -> Domain:
+    """Read a domain.
+
+    Parameters
+    ----------
+    text
+        The domain in PDDL.
+    path
+        File that it came from, for messages.
+    warn
+        Called with each `PDDLWarning`.
+
+    Raises
+    ------
+    PDDLError
+        If the text is not a domain; says where and why. `UnsupportedFeatureError` if it is one, but asks for
+        something that this package does not plan for.
+
+    Examples
+    --------
+    >>> domain = parse_domain("(define (domain lamp) (:predicates (on)) (:action press :effect (on)))")
+    >>> domain.actions[0].effects[0].atom
+    Atom(predicate='on', terms=())
+    """
+    source = Source(text, path, warn)
+    name, sections = _open(source, "domain", _DOMAIN_SECTIONS)
+    requirements = Requirements(_read_declared(source, sections), source)
+    types: dict[str, tuple[str, ...]] = {}
+    for offset in sections.get(":types", ()):
+        requirements.use(":typing", offset)
+        types = read_types(_enter(source, offset), requirements)
+    above = ancestors(types)
+    constants: dict[str, tuple[str, ...]] = {}
+    for offset in sections.get(":constants", ()):
+        entries = read_typed_list(_enter(source, offset), "a constant", requirements, above)
+        constants = _name_once(entries, source, "constant", {})
+    predicates: tuple[Predicate, ...] = ()
+    for offset in sections.get(":predicates", ()):
+        predicates = _read_predicates(_enter(source, offset), above, requirements)
+    functions: tuple[Function, ...] = ()
+    for offset in sections.get(":functions", ()):
+        requirements.use(":action-costs", offset)
+        functions = _read_functions(_enter(source, offset), above, requirements)
+    vocabulary = Vocabulary(above, constants, predicates, functions)
+    actions: dict[str, ActionSchema] = {}
+    for offset in sections.get(":action", ()):
+        cursor = _enter(source, offset)
+        action = _read_action(cursor, vocabulary, requirements)
+        if action.name in actions:
+            raise source.error(f"action '{action.name}' is declared twice", offset)
+        actions[action.name] = action
+    return Domain(
+        name, requirements.declared, types, constants, predicates, functions, tuple(actions.values())
+    )
+
+
+def parse_problem(
+    text: str, domain: Domain, path: str | Path | None = None, *, warn: Warn | None = None
+) -> Problem:
+    """Read a problem over a domain.
+
+    Parameters
+    ----------
+    text
+        The problem in PDDL.
+    domain
+        The domain that it names.
+    path
+        File that it came from, for messages.
+    warn
+        Called with each `PDDLWarning`.
+
+    Raises
+    ------
+    PDDLError
+        As for `parse_domain`.
+
+    Examples
+    --------
+    >>> domain = parse_domain("(define (domain lamp) (:predicates (on)))")
+    >>> problem = parse_problem("(define (problem p) (:domain lamp) (:init) (:goal (on)))", domain)
+    >>> problem.goal
+    Atom(predicate='on', terms=())
+    """
+    source = Source(text, path, warn)
+    name, sections = _open(source, "problem", _PROBLEM_SECTIONS)
+    for keyword in (":domain", ":init", ":goal"):
+        if keyword not in sections:
+            raise source.error(f"the problem has no '({keyword} ...)'", source.text.index("("))
+    _check_domain_name(_enter(source, sections[":domain"][0]), domain.name)
+    requirements = Requirements(domain.requirements | _read_declared(source, sections), source)
+    above = ancestors(domain.types)
+    objects: dict[str, tuple[str, ...]] = {}
+    for offset in sections.get(":objects", ()):
+        entries = read_typed_list(_enter(source, offset), "an object", requirements, above)
+        objects = _name_once(entries, source, "object", domain.constants)
+    vocabulary = Vocabulary(above, {**domain.constants, **objects}, domain.predicates, domain.functions)
+    init, values = _read_init(_enter(source, sections[":init"][0]), vocabulary, requirements)
+    cursor = _enter(source, sections[":goal"][0])
+    goal = FormulaReader(cursor, vocabulary, requirements).read_formula({})
+    cursor.take_bracket(")")
+    for offset in sections.get(":metric", ()):
+        _read_metric(_enter(source, offset), vocabulary)
+    return Problem(name, domain, objects, init, goal, values, ":metric" in sections)
+
+
+def read_domain(path: str | Path, *, warn: Warn | None = None) -> Domain:
+    """Read a domain file; see `parse_domain`.
+
+    Examples
+    --------
+    >>> read_domain("missing.pddl")
+    Traceback (most recent call last):
+    explicable.errors.PDDLError: missing.pddl: can't be read: No such file or directory
+    """
+    return parse_domain(_read_text(path), path, warn=warn)
+
+
+def read_problem(path: str | Path, domain: Domain, *, warn: Warn | None = None) -> Problem:
+    """Read a problem file; see `parse_problem`.
+
+    Examples
+    --------
+    >>> domain = parse_domain("(define (domain lamp))")
+    >>> read_problem("missing.pddl", domain)
+    Traceback (most recent call last):
+    explicable.errors.PDDLError: missing.pddl: can't be read: No such file or directory
+    """
+    return parse_problem(_read_text(path), domain, path, warn=warn)
+
+
+def read_pair(domain_path: str | Path, problem_path: str | Path, *, warn: Warn | None = None) -> Problem:
+    """Read a domain file and a problem file; the problem holds the domain.
+
+    Examples
+    --------
+    >>> read_pair("missing.pddl", "problem.pddl")
+    Traceback (most recent call last):
+    explicable.errors.PDDLError: missing.pddl: can't be read: No such file or directory
+    """
+    return read_problem(problem_path, read_domain(domain_path, warn=warn), warn=warn)
+
+
+def _read_text(path: str | Path) -> str:
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise PDDLError(f"can't be read: {error.strerror}", path=path) from error
+    try:
+        return data.decode()
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        line = before.count(b"\n") + 1
+        column = len(before[before.rfind(b"\n") + 1 :].decode()) + 1
+        raise PDDLError("not UTF-8 text", path=path, line=line, column=column) from error
+
+
+def _open(source: Source, kind: str, allowed: tuple[str, ...]) -> tuple[str, dict[str, list[int]]]:
+    """Give the name in ``(domain name)`` or ``(problem name)``, and where each section begins."""
+    offsets = source.sections()
+    if not offsets:
+        raise source.error(f"expected '({kind} ...)' after 'define'", source.text.index("define"))
+    cursor = Cursor(source, offsets[0])
+    cursor.take()
+    if cursor.ahead != kind:
+        raise cursor.error(f"expected '{kind}', not {cursor.shown}")
+    cursor.take()
+    name = cursor.take_name(f"the {kind}'s name")
+    cursor.take_bracket(")")
+    sections: dict[str, list[int]] = {}
+    for offset in offsets[1:]:
+        cursor.seek(offset)
+        cursor.take()
+        if cursor.ahead in _UNSUPPORTED_SECTIONS:
+            feature = _UNSUPPORTED_SECTIONS[cursor.ahead]
+            raise cursor.error(f"{feature} ('{cursor.ahead}') are not supported", UnsupportedFeatureError)
+        if cursor.ahead not in allowed:
+            raise cursor.error(f"expected a section of a {kind}, not {cursor.shown}")
+        if cursor.ahead in sections and cursor.ahead != ":action":
+            raise cursor.error(f"'{cursor.ahead}' is given twice")
+        sections.setdefault(cursor.ahead, []).append(offset)
+    return name, sections
+
+
+def _enter(source: Source, offset: int) -> Cursor:
+    """Give a cursor behind the keyword of a section."""
+    cursor = Cursor(source, offset)
+    cursor.take()
+    cursor.take()
+    return cursor
+
+
+def _read_declared(source: Source, sections: Mapping[str, list[int]]) -> frozenset[str]:
+    if ":requirements" not in sections:
+        return frozenset((":strips",))
+    return read_requirements(_enter(source, sections[":requirements"][0]))
+
+
+def _name_once(
+    entries: list[Typed], source: Source, what: str, taken: Mapping[str, tuple[str, ...]]
+) -> dict[str, tuple[str, ...]]:
+    names: dict[str, tuple[str, ...]] = {}
+    for name, types, offset in entries:
+        if name in names or name in taken:
+            where = " (it is a constant of the domain)" if name in taken else ""
+            raise source.error(f"{what} '{name}' is declared twice{where}", offset)
+        names[name] = types
+    return names
+
+
+def _read_predicates(
+    cursor: Cursor, above: Mapping[str, frozenset[str]], requirements: Requirements
+) -> tuple[Predicate, ...]:
+    found: dict[str, Predicate] = {}
+    while not cursor.closes():
+        name, parameters = _read_signature(cursor, "predicate", found, above, requirements)
+        found[name] = Predicate(name, parameters)
+    cursor.take()
+    return tuple(found.values())
+
+
+def _read_functions(
+    cursor: Cursor, above: Mapping[str, frozenset[str]], requirements: Requirements
+) -> tuple[Function, ...]:
+    found: dict[str, Function] = {}
+    while not cursor.closes():
+        name, parameters = _read_signature(cursor, "function", found, above, requirements)
+        found[name] = Function(name, parameters)
+        if cursor.ahead == "-":
+            cursor.take()
+            if cursor.ahead != "number":
+                raise cursor.error("functions other than numbers are not supported", UnsupportedFeatureError)
+            cursor.take()
+    cursor.take()
+    return tuple(found.values())
+
+
+def _read_signature(
+    cursor: Cursor,
+    what: str,
+    taken: Container[str],
+    above: Mapping[str, frozenset[str]],
+    requirements: Requirements,
+) -> tuple[str, tuple[Parameter, ...]]:
+    """Read ``(name ?x ... - type ...)``."""
+    cursor.take_bracket("(")
+    if cursor.ahead in KEYWORDS:
+        raise cursor.error(f"a {what} can't be named '{cursor.ahead}'")
+    name = cursor.take_name(f"a {what}")
+    if name in taken:
+        raise cursor.error_at_taken(f"{what} '{name}' is declared twice")
+    entries = read_typed_list(cursor, "a variable", requirements, above)
+    return name, tuple(Parameter(variable, types) for variable, types, _ in entries)
+
+
+def _read_action(cursor: Cursor, vocabulary: Vocabulary, requirements: Requirements) -> ActionSchema:
+    name = cursor.take_name("the action's name")
+    reader = FormulaReader(cursor, vocabulary, requirements)
+    parameters: tuple[Parameter, ...] = ()
+    scope: dict[str, tuple[str, ...]] = {}
+    precondition: Formula = TRUE
+    effect = EffectList()
+    given: set[str] = set()
+    while not cursor.closes():
+        keyword = cursor.ahead
+        if keyword in given:
+            raise cursor.error(f"'{keyword}' is given twice")
+        if keyword == ":parameters" and given:
+            raise cursor.error("':parameters' has to come first")
+        given.add(keyword)
+        match keyword:
+            case ":parameters":
+                cursor.take()
+                parameters = reader.read_parameters()
+                scope = {parameter.name: parameter.types for parameter in parameters}
+            case ":precondition":
+                cursor.take()
+                precondition = reader.read_formula(scope)
+            case ":effect":
+                cursor.take()
+                effect = reader.read_effect(scope)
+            case ":vars" | ":duration" | ":condition" | ":observe" | ":expansion" | ":agent":
+                raise cursor.error(f"'{keyword}' of an action is not supported", UnsupportedFeatureError)
+            case _:
+                raise cursor.error(
+                    f"expected ':parameters', ':precondition' or ':effect', not {cursor.shown}"
+                )
+    return ActionSchema(name, parameters, precondition, tuple(effect.effects), tuple(effect.cost))
+
+
+def _check_domain_name(cursor: Cursor, wanted: str) -> None:
+    name = cursor.take_name("the domain's name")
+    if name != wanted:
+        raise cursor.error_at_taken(f"the problem is for domain '{name}', not '{wanted}'")
+    cursor.take_bracket(")")
+
+
+def _read_init(
+    cursor: Cursor, vocabulary: Vocabulary, requirements: Requirements
+) -> tuple[tuple[GroundAtom, ...], dict[GroundAtom, int]]:
+    """Read the rest of ``(:init ...)``: true atoms and initial numbers."""
+    source = cursor.source
+    reader = FormulaReader(cursor, vocabulary, requirements)
+    signatures = {
+        predicate.name: (
+            predicate.name,
+            tuple(vocabulary.members(parameter.types) for parameter in predicate.parameters),
+        )
+        for predicate in vocabulary.predicates.values()
+    }
+    atoms: list[GroundAtom] = []
+    values: dict[GroundAtom, int] = {}
+    denied: dict[GroundAtom, int] = {}
+    while cursor.ahead == "(":
+        cursor.seek(_read_flat_atoms(source.text, cursor.start, signatures, atoms))
+        if cursor.ahead != "(":
+            break
+        start = cursor.start
+        peeking = Cursor(source, start)
+        peeking.take()
+        head = peeking.take()
+        if head == "=" and peeking.ahead == "(":
+            cursor.take()
+            cursor.take()
+            term = reader.read_function_term({})
+            requirements.use(":action-costs", start)
+            _set_value(cursor, values, (term.name, *term.terms), reader.read_amount())
+            cursor.take_bracket(")")
+        elif head == "not":
+            cursor.take()
+            cursor.take()
+            denied[reader.read_ground_atom()] = start
+            cursor.take_bracket(")")
+        elif head == "at" and peeking.ahead[:1].isdigit() and peeking.take() and peeking.ahead == "(":
+            message = "timed initial literals ('at') are not supported"
+            raise source.error(message, start, UnsupportedFeatureError)
+        else:
+            atoms.append(reader.read_ground_atom())
+    cursor.take_bracket(")")
+    init = dict.fromkeys(atoms)
+    for atom, offset in denied.items():
+        if atom in init:
+            raise source.error(f"({' '.join(atom)}) is both true and false in ':init'", offset)
+    return tuple(init), values
+
+
+def _read_flat_atoms(
+    text: str,
+    offset: int,
+    signatures: Mapping[str, tuple[str, tuple[dict[str, str], ...]]],
+    atoms: list[GroundAtom],
+) -> int:
+    """Read as many plain, well-typed atoms as follow each other; give the offset of what comes next.
+
+    Nearly all of a large task is such atoms. Whatever is not is left to the careful reader, which knows what
+    to say about it.
+    """
+    while match := _FLAT_ATOM.match(text, offset):
+        name, *objects = match[1].split() or ("",)
+        predicate, members = signatures.get(name, ("", ()))
+        if not predicate or len(objects) != len(members):
+            break
+        try:
+            # Looking a name up checks its type and gives the one copy of it that all atoms share.
+            atoms.append((predicate, *map(getitem, members, objects)))
+        except KeyError:
+            break
+        offset = match.end()
+    return offset
+
+
+def _set_value(cursor: Cursor, values: dict[GroundAtom, int], term: GroundAtom, value: int) -> None:
+    if values.setdefault(term, value) != value:
+        raise cursor.error_at_taken(f"({' '.join(term)}) has two values in ':init'")
+
+
+def _read_metric(cursor: Cursor, vocabulary: Vocabulary) -> None:
+    """Read the rest of ``(:metric minimize (total-cost))``, the only metric planned for."""
+    start = cursor.start
+    goal = cursor.take()
+    bracketed = cursor.ahead == "("
+    if bracketed:
+        cursor.take()
+    measure = cursor.take()
+    if goal not in {"minimize", "maximize"}:
+        raise cursor.source.error("expected 'minimize' or 'maximize'", start)
+    if goal != "minimize" or measure != "total-cost":
+        message = "metrics other than 'minimize (total-cost)' are not supported"
+        raise cursor.source.error(message, start, UnsupportedFeatureError)
+    if "total-cost" not in vocabulary.functions:
+        raise cursor.error_at_taken("undeclared function 'total-cost'")
+    if bracketed:
+        cursor.take_bracket(")")
+    cursor.take_bracket(")")
