@@ -1,0 +1,299 @@
+#include "labelling/loss.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace explicable {
+namespace {
+
+void require(bool condition, const char* message) {
+    if (!condition) throw std::invalid_argument(message);
+}
+
+void check_offsets(std::span<const std::int64_t> offsets, std::size_t num_values) {
+    require(!offsets.empty() && offsets.front() == 0, "offsets must begin with 0");
+    require(std::is_sorted(offsets.begin(), offsets.end()), "offsets must not decrease");
+    require(offsets.back() == static_cast<std::int64_t>(num_values), "offsets must end with the number of entries");
+}
+
+// If no score differs by more than this within a position or among transitions, scaled probabilities stay above
+// exp(-300) / num_labels, far from underflow, and their products can be folded into a logarithm now and then.
+constexpr double kLargestScaledSpread = 300.0;
+
+// Forward and backward passes on probabilities, normalised at every position: no exponential in the inner loop.
+// Labels number FixedLabels, known when compiling, or, if that is 0, `num_labels`.
+template <int FixedLabels>
+class ScaledPass {
+public:
+    ScaledPass(int num_labels, std::span<const double> state, std::span<const double> transition)
+        : num_labels_(num_labels), potentials_(state.size()), offsets_(state.size() / num_labels) {
+        const int n = this->num_labels();
+        for (std::size_t row = 0; row < offsets_.size(); ++row) {
+            const auto scores = state.subspan(row * n, n);
+            offsets_[row] = *std::max_element(scores.begin(), scores.end());
+            for (int j = 0; j < n; ++j) potentials_[row * n + j] = std::exp(scores[j] - offsets_[row]);
+        }
+        transition_offset_ = *std::max_element(transition.begin(), transition.end());
+        transition_.reserve(transition.size());
+        for (const double score : transition) transition_.push_back(std::exp(score - transition_offset_));
+        pairs_.resize(transition.size());
+        beta_.resize(n);
+        next_.resize(n);
+    }
+
+    // Returns the log partition function of one sequence and adds weight * expected counts to both gradients.
+    double add_expected(std::span<const std::int32_t> rows, std::span<const LabelId> clamped, double weight,
+                        std::span<double> state_gradient, std::span<double> transition_gradient) {
+        if (rows.empty()) return 0.0;
+        const double log_partition = forward(rows, clamped);
+        backward(rows, clamped, weight, state_gradient);
+        const int n = num_labels();
+        for (int k = 0; k < n * n; ++k) transition_gradient[k] += weight * pairs_[k] * transition_[k];
+        return log_partition;
+    }
+
+private:
+    int num_labels() const {
+        if constexpr (FixedLabels > 0) return FixedLabels;
+        return num_labels_;
+    }
+
+    double potential(std::span<const std::int32_t> rows, std::span<const LabelId> clamped, std::size_t t, int j) const {
+        if (!clamped.empty() && clamped[t] != kAnyLabel && clamped[t] != j) return 0.0;
+        return potentials_[static_cast<std::size_t>(rows[t]) * num_labels() + j];
+    }
+
+    double forward(std::span<const std::int32_t> rows, std::span<const LabelId> clamped) {
+        const int n = num_labels();
+        if (alpha_.size() < rows.size() * n) {
+            alpha_.resize(rows.size() * n);
+            inverse_scale_.resize(rows.size());
+        }
+        double log_partition = static_cast<double>(rows.size() - 1) * transition_offset_;
+        double product = 1.0;
+        for (std::size_t t = 0; t < rows.size(); ++t) {
+            double* here = &alpha_[t * n];
+            double sum = 0.0;
+            for (int to = 0; to < n; ++to) {
+                double incoming = 1.0;
+                if (t > 0) {
+                    incoming = 0.0;
+                    for (int from = 0; from < n; ++from) incoming += (here - n)[from] * transition_[from * n + to];
+                }
+                here[to] = incoming * potential(rows, clamped, t, to);
+                sum += here[to];
+            }
+            inverse_scale_[t] = 1.0 / sum;
+            for (int j = 0; j < n; ++j) here[j] *= inverse_scale_[t];
+            log_partition += offsets_[rows[t]];
+            product *= sum;
+            if (product < 1e-30 || product > 1e30) {
+                log_partition += std::log(product);
+                product = 1.0;
+            }
+        }
+        return log_partition + std::log(product);
+    }
+
+    void backward(std::span<const std::int32_t> rows, std::span<const LabelId> clamped, double weight,
+                  std::span<double> state_gradient) {
+        const int n = num_labels();
+        std::fill(pairs_.begin(), pairs_.end(), 0.0);
+        std::fill(beta_.begin(), beta_.end(), 1.0);
+        for (std::size_t t = rows.size(); t-- > 0;) {
+            double* row_gradient = &state_gradient[static_cast<std::size_t>(rows[t]) * n];
+            for (int j = 0; j < n; ++j) row_gradient[j] += weight * alpha_[t * n + j] * beta_[j];
+            if (t == 0) break;
+            for (int j = 0; j < n; ++j) next_[j] = potential(rows, clamped, t, j) * beta_[j] * inverse_scale_[t];
+            for (int from = 0; from < n; ++from) {
+                double outgoing = 0.0;
+                for (int to = 0; to < n; ++to) {
+                    pairs_[from * n + to] += alpha_[(t - 1) * n + from] * next_[to];
+                    outgoing += transition_[from * n + to] * next_[to];
+                }
+                beta_[from] = outgoing;
+            }
+        }
+    }
+
+    int num_labels_;
+    std::vector<double> potentials_;  // rows x labels, exp(score - the row's largest score)
+    std::vector<double> offsets_;     // per row, its largest score
+    std::vector<double> transition_;  // exp(score - the largest transition score)
+    double transition_offset_;
+    std::vector<double> alpha_, inverse_scale_, beta_, next_;
+    std::vector<double> pairs_;  // expected transitions of one sequence, divided by transition_
+};
+
+template <int FixedLabels, class Visit>
+double sum_scaled(int num_labels, std::span<const double> state, std::span<const double> transition, Visit visit) {
+    ScaledPass<FixedLabels> pass(num_labels, state, transition);
+    return visit(pass);
+}
+
+double spread(std::span<const double> scores) {
+    const auto [low, high] = std::minmax_element(scores.begin(), scores.end());
+    return *high - *low;
+}
+
+}  // namespace
+
+void check_rows(const FeatureRows& rows, std::int64_t num_features) {
+    check_offsets(rows.offsets, rows.features.size());
+    require(rows.values.empty() || rows.values.size() == rows.features.size(), "one value is needed for each feature");
+    require(std::all_of(rows.features.begin(), rows.features.end(),
+                        [&](std::int32_t feature) { return feature >= 0 && feature < num_features; }),
+            "feature numbers must be at least 0 and below the number of features");
+    require(std::all_of(rows.values.begin(), rows.values.end(), [](double value) { return std::isfinite(value); }),
+            "feature values must be finite");
+}
+
+void state_scores(const FeatureRows& rows, int num_labels, std::span<const double> weights, std::span<double> state) {
+    std::fill(state.begin(), state.end(), 0.0);
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+        double* scores = state.data() + row * num_labels;
+        for (std::int64_t k = rows.offsets[row]; k < rows.offsets[row + 1]; ++k) {
+            const double value = rows.values.empty() ? 1.0 : rows.values[k];
+            const double* feature = weights.data() + static_cast<std::size_t>(rows.features[k]) * num_labels;
+            for (int j = 0; j < num_labels; ++j) scores[j] += value * feature[j];
+        }
+    }
+    require(are_usable_scores(state), "weights are not finite, or too large");
+}
+
+SequenceLoss::SequenceLoss(int num_labels, std::int64_t num_features, FeatureRows rows,
+                           std::vector<std::int64_t> offsets, std::vector<std::int32_t> position_rows,
+                           std::vector<LabelId> position_labels)
+    : num_labels_(num_labels),
+      num_features_(num_features),
+      rows_(std::move(rows)),
+      offsets_(std::move(offsets)),
+      position_rows_(std::move(position_rows)),
+      position_labels_(std::move(position_labels)) {
+    require(num_labels >= 2 && num_labels <= 1 << 15, "there must be at least two labels");
+    require(num_features >= 0 && num_features <= std::int64_t{1} << 31, "too many features");
+    check_rows(rows_, num_features);
+    check_offsets(offsets_, position_rows_.size());
+    require(position_labels_.size() == position_rows_.size(), "one label is needed for each position");
+    const auto num_rows = static_cast<std::int64_t>(rows_.size());
+    require(std::all_of(position_rows_.begin(), position_rows_.end(),
+                        [&](std::int32_t row) { return row >= 0 && row < num_rows; }),
+            "row numbers must be at least 0 and below the number of rows");
+    require(std::all_of(position_labels_.begin(), position_labels_.end(),
+                        [&](LabelId label) { return label >= kAnyLabel && label < num_labels; }),
+            "labels must be -1, or at least 0 and below the number of labels");
+    fully_observed_.reserve(num_sequences());
+    for (std::size_t s = 0; s < num_sequences(); ++s)
+        fully_observed_.push_back(std::none_of(position_labels_.begin() + offsets_[s],
+                                               position_labels_.begin() + offsets_[s + 1],
+                                               [](LabelId label) { return label == kAnyLabel; }));
+}
+
+std::size_t SequenceLoss::num_weights() const {
+    return (static_cast<std::size_t>(num_features_) + num_labels_) * num_labels_;
+}
+
+double SequenceLoss::operator()(std::span<const double> weights, std::span<const double> sequence_weights,
+                                std::span<double> gradient) const {
+    require(weights.size() == num_weights() && gradient.size() == num_weights(), "wrong number of weights");
+    require(sequence_weights.size() == num_sequences(), "one weight is needed for each sequence");
+    require(std::all_of(weights.begin(), weights.end(), [](double w) { return std::isfinite(w); }) &&
+                std::all_of(sequence_weights.begin(), sequence_weights.end(), [](double w) { return std::isfinite(w); }),
+            "weights must be finite");
+    const std::size_t num_state_weights = static_cast<std::size_t>(num_features_) * num_labels_;
+    const auto transition = weights.subspan(num_state_weights);
+    std::vector<double> state(rows_.size() * num_labels_), state_gradient(state.size(), 0.0);
+    state_scores(rows_, num_labels_, weights.first(num_state_weights), state);
+    std::fill(gradient.begin(), gradient.end(), 0.0);
+
+    double widest = spread(transition);
+    for (std::size_t row = 0; row < rows_.size(); ++row)
+        widest = std::max(widest, spread(std::span(state).subspan(row * num_labels_, num_labels_)));
+    const auto transition_gradient = gradient.subspan(num_state_weights);
+    const double loss = widest <= kLargestScaledSpread / 2
+                            ? scaled(state, transition, sequence_weights, state_gradient, transition_gradient)
+                            : in_log_space(state, transition, sequence_weights, state_gradient, transition_gradient);
+
+    for (std::size_t row = 0; row < rows_.size(); ++row)
+        for (std::int64_t k = rows_.offsets[row]; k < rows_.offsets[row + 1]; ++k) {
+            const double value = rows_.values.empty() ? 1.0 : rows_.values[k];
+            double* feature = gradient.data() + static_cast<std::size_t>(rows_.features[k]) * num_labels_;
+            for (int j = 0; j < num_labels_; ++j) feature[j] += value * state_gradient[row * num_labels_ + j];
+        }
+    return loss;
+}
+
+// Score of the labels of a fully observed sequence; subtracts weight * its counts from the gradients.
+double SequenceLoss::add_observed(std::size_t sequence, std::span<const double> state,
+                                  std::span<const double> transition, double weight, std::span<double> state_gradient,
+                                  std::span<double> transition_gradient) const {
+    double score = 0.0;
+    for (std::int64_t t = offsets_[sequence]; t < offsets_[sequence + 1]; ++t) {
+        const std::size_t cell = static_cast<std::size_t>(position_rows_[t]) * num_labels_ + position_labels_[t];
+        score += state[cell];
+        state_gradient[cell] -= weight;
+        if (t == offsets_[sequence]) continue;
+        const std::size_t pair = static_cast<std::size_t>(position_labels_[t - 1]) * num_labels_ + position_labels_[t];
+        score += transition[pair];
+        transition_gradient[pair] -= weight;
+    }
+    return score;
+}
+
+double SequenceLoss::scaled(std::span<const double> state, std::span<const double> transition,
+                            std::span<const double> sequence_weights, std::span<double> state_gradient,
+                            std::span<double> transition_gradient) const {
+    const auto sum = [&](auto& pass) {
+        double loss = 0.0;
+        for (std::size_t s = 0; s < num_sequences(); ++s) {
+            const double weight = sequence_weights[s];
+            const std::size_t length = offsets_[s + 1] - offsets_[s];
+            if (weight == 0.0 || length == 0) continue;
+            const auto rows = std::span(position_rows_).subspan(offsets_[s], length);
+            const auto labels = std::span(position_labels_).subspan(offsets_[s], length);
+            loss += weight * pass.add_expected(rows, {}, weight, state_gradient, transition_gradient);
+            loss -= weight * (fully_observed_[s]
+                                  ? add_observed(s, state, transition, weight, state_gradient, transition_gradient)
+                                  : pass.add_expected(rows, labels, -weight, state_gradient, transition_gradient));
+        }
+        return loss;
+    };
+    if (num_labels_ == 2) return sum_scaled<2>(num_labels_, state, transition, sum);
+    return sum_scaled<0>(num_labels_, state, transition, sum);
+}
+
+double SequenceLoss::in_log_space(std::span<const double> state, std::span<const double> transition,
+                                  std::span<const double> sequence_weights, std::span<double> state_gradient,
+                                  std::span<double> transition_gradient) const {
+    double loss = 0.0;
+    std::vector<double> scores, expected, pairs(transition.size());
+    for (std::size_t s = 0; s < num_sequences(); ++s) {
+        const double weight = sequence_weights[s];
+        const std::size_t length = offsets_[s + 1] - offsets_[s];
+        if (weight == 0.0 || length == 0) continue;
+        const auto rows = std::span(position_rows_).subspan(offsets_[s], length);
+        const auto labels = std::span(position_labels_).subspan(offsets_[s], length);
+        scores.clear();
+        for (const std::int32_t row : rows) {
+            const auto row_scores = state.subspan(static_cast<std::size_t>(row) * num_labels_, num_labels_);
+            scores.insert(scores.end(), row_scores.begin(), row_scores.end());
+        }
+        expected.resize(scores.size());
+        const auto add = [&](std::span<const LabelId> clamped, double signed_weight) {
+            std::fill(pairs.begin(), pairs.end(), 0.0);
+            const double log_partition = marginals({num_labels_, scores, transition, clamped}, expected, pairs);
+            for (std::size_t t = 0; t < length; ++t)
+                for (int j = 0; j < num_labels_; ++j)
+                    state_gradient[static_cast<std::size_t>(rows[t]) * num_labels_ + j] +=
+                        signed_weight * expected[t * num_labels_ + j];
+            for (std::size_t k = 0; k < pairs.size(); ++k) transition_gradient[k] += signed_weight * pairs[k];
+            return log_partition;
+        };
+        loss += weight * (add({}, weight) - add(labels, -weight));
+    }
+    return loss;
+}
+
+}  // namespace explicable
