@@ -48,8 +48,9 @@ def encode(world: World, semantics: Semantics = "persistent") -> TeamProblem:
         of walls do not occur. Robots do not stand in each other's way.
     semantics
         ``persistent``: a command permits a visit from then on and is never withdrawn; moves are not tied to a
-        command. ``exclusive``: one command is in force; robots move only under a command; a new one replaces
-        it, and visiting the room fulfils it.
+        command; a room may be commanded anew, which makes it the present target again. ``exclusive``: one
+        command is in force; robots move only under a command; a new one replaces it, and visiting the room
+        fulfils it, and visiting the room fulfils it.
 
     Raises
     ------
@@ -92,8 +93,9 @@ def first_response_domain(semantics: Semantics = "persistent") -> Domain:
         ("unvisited", "room"),
         ("visited", "room"),
         ("commanded", "room"),
-        ("under-command",) if exclusive else ("uncommanded", "room"),
     ]
+    if exclusive:
+        predicates.append(("under-command",))
     return Domain(
         name=f"first-response-{semantics}",
         requirements=frozenset({":strips", ":typing"} | ({":conditional-effects"} if exclusive else set())),
@@ -122,8 +124,8 @@ def _persistent_actions() -> tuple[ActionSchema, ...]:
     command = ActionSchema(
         name="command",
         parameters=(_HUMAN, _ROOM),
-        precondition=_all("uncommanded ?c"),
-        effects=_effects("commanded ?c", "not uncommanded ?c"),
+        precondition=_all("unvisited ?c"),
+        effects=_effects("commanded ?c"),
     )
     visit = ActionSchema(
         name="visit-room",
@@ -212,8 +214,6 @@ def _problem(world: World, domain: Domain, view: View) -> Problem:
     init: list[GroundAtom] = []
     init += [("at", robot_name(index), names[cell]) for index, cell in enumerate(world.robots)]
     init += [("unvisited", room) for room in rooms]
-    if "uncommanded" in {predicate.name for predicate in domain.predicates}:
-        init += [("uncommanded", room) for room in rooms]
     not_clear = world.blocked(view) | world.obstacles
     init += [("obstacle", name) for cell, name in names.items() if cell in world.obstacles]
     init += [("clear", name) for cell, name in names.items() if cell not in not_clear]
