@@ -20,11 +20,11 @@ from explicable.model.problem import (
     Parameter,
     Predicate,
 )
+from explicable.pddl.declarations import read_typed_list
 from explicable.pddl.source import Cursor
-from explicable.pddl.vocabulary import Requirements, Vocabulary, read_typed_list
+from explicable.pddl.vocabulary import KEYWORDS, Requirements, Vocabulary
 
 MAX_COST = 2**31 - 1  # what the core can count with
-KEYWORDS = frozenset(("and", "or", "not", "imply", "exists", "forall", "when", "="))
 
 _INTEGER = re.compile(r"(\d+)(?:\.0*)?")
 _DECIMAL = re.compile(r"\d*\.\d+")

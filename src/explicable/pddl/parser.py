@@ -1,8 +1,6 @@
 """PDDL text -> model, with every name checked and every error placed."""
 
-import re
-from collections.abc import Container, Mapping
-from operator import getitem
+from collections.abc import Mapping
 from pathlib import Path
 
 from explicable.errors import PDDLError, UnsupportedFeatureError
@@ -12,22 +10,23 @@ from explicable.model.problem import (
     Domain,
     Formula,
     Function,
-    GroundAtom,
     Parameter,
     Predicate,
     Problem,
     ancestors,
 )
-from explicable.pddl.formulas import KEYWORDS, EffectList, FormulaReader
-from explicable.pddl.source import Cursor, Source, Warn
-from explicable.pddl.vocabulary import (
-    Requirements,
-    Typed,
-    Vocabulary,
+from explicable.pddl.declarations import (
+    name_once,
+    read_functions,
+    read_predicates,
     read_requirements,
     read_typed_list,
     read_types,
 )
+from explicable.pddl.formulas import EffectList, FormulaReader
+from explicable.pddl.initial_state import read_init
+from explicable.pddl.source import Cursor, Source, Warn
+from explicable.pddl.vocabulary import Requirements, Vocabulary
 
 _DOMAIN_SECTIONS = (
     ":requirements",
@@ -55,7 +54,6 @@ _UNSUPPORTED_SECTIONS = {
     ":htn": "hierarchical tasks",
     ":observe": "sensing",
 }
-_FLAT_ATOM = re.compile(r"\s*+\(([^()?]*+)\)")
 
 
 def parse_domain(text: str, path: str | Path | None = None, *, warn: Warn | None = None) -> Domain:
@@ -93,14 +91,14 @@ def parse_domain(text: str, path: str | Path | None = None, *, warn: Warn | None
     constants: dict[str, tuple[str, ...]] = {}
     for offset in sections.get(":constants", ()):
         entries = read_typed_list(_enter(source, offset), "a constant", requirements, above)
-        constants = _name_once(entries, source, "constant", {})
+        constants = name_once(entries, source, "constant", {})
     predicates: tuple[Predicate, ...] = ()
     for offset in sections.get(":predicates", ()):
-        predicates = _read_predicates(_enter(source, offset), above, requirements)
+        predicates = read_predicates(_enter(source, offset), above, requirements)
     functions: tuple[Function, ...] = ()
     for offset in sections.get(":functions", ()):
         requirements.use(":action-costs", offset)
-        functions = _read_functions(_enter(source, offset), above, requirements)
+        functions = read_functions(_enter(source, offset), above, requirements)
     vocabulary = Vocabulary(above, constants, predicates, functions)
     actions: dict[str, ActionSchema] = {}
     for offset in sections.get(":action", ()):
@@ -153,9 +151,9 @@ def parse_problem(
     objects: dict[str, tuple[str, ...]] = {}
     for offset in sections.get(":objects", ()):
         entries = read_typed_list(_enter(source, offset), "an object", requirements, above)
-        objects = _name_once(entries, source, "object", domain.constants)
+        objects = name_once(entries, source, "object", domain.constants)
     vocabulary = Vocabulary(above, {**domain.constants, **objects}, domain.predicates, domain.functions)
-    init, values = _read_init(_enter(source, sections[":init"][0]), vocabulary, requirements)
+    init, values = read_init(_enter(source, sections[":init"][0]), vocabulary, requirements)
     cursor = _enter(source, sections[":goal"][0])
     goal = FormulaReader(cursor, vocabulary, requirements).read_formula({})
     cursor.take_bracket(")")
@@ -217,29 +215,34 @@ def _read_text(path: str | Path) -> str:
 
 def _open(source: Source, kind: str, allowed: tuple[str, ...]) -> tuple[str, dict[str, list[int]]]:
     """Give the name in ``(domain name)`` or ``(problem name)``, and where each section begins."""
-    offsets = source.sections()
-    if not offsets:
+    name = ""
+    sections: dict[str, list[int]] = {}
+    for offset in source.sections():
+        cursor = Cursor(source, offset)
+        cursor.take()
+        if not name:
+            name = _read_name(cursor, kind)
+        elif cursor.ahead in _UNSUPPORTED_SECTIONS:
+            feature = _UNSUPPORTED_SECTIONS[cursor.ahead]
+            raise cursor.error(f"{feature} ('{cursor.ahead}') are not supported", UnsupportedFeatureError)
+        elif cursor.ahead not in allowed:
+            raise cursor.error(f"expected a section of a {kind}, not {cursor.shown}")
+        elif cursor.ahead in sections and cursor.ahead != ":action":
+            raise cursor.error(f"'{cursor.ahead}' is given twice")
+        else:
+            sections.setdefault(cursor.ahead, []).append(offset)
+    if not name:
         raise source.error(f"expected '({kind} ...)' after 'define'", source.text.index("define"))
-    cursor = Cursor(source, offsets[0])
-    cursor.take()
+    return name, sections
+
+
+def _read_name(cursor: Cursor, kind: str) -> str:
     if cursor.ahead != kind:
         raise cursor.error(f"expected '{kind}', not {cursor.shown}")
     cursor.take()
     name = cursor.take_name(f"the {kind}'s name")
     cursor.take_bracket(")")
-    sections: dict[str, list[int]] = {}
-    for offset in offsets[1:]:
-        cursor.seek(offset)
-        cursor.take()
-        if cursor.ahead in _UNSUPPORTED_SECTIONS:
-            feature = _UNSUPPORTED_SECTIONS[cursor.ahead]
-            raise cursor.error(f"{feature} ('{cursor.ahead}') are not supported", UnsupportedFeatureError)
-        if cursor.ahead not in allowed:
-            raise cursor.error(f"expected a section of a {kind}, not {cursor.shown}")
-        if cursor.ahead in sections and cursor.ahead != ":action":
-            raise cursor.error(f"'{cursor.ahead}' is given twice")
-        sections.setdefault(cursor.ahead, []).append(offset)
-    return name, sections
+    return name
 
 
 def _enter(source: Source, offset: int) -> Cursor:
@@ -254,63 +257,6 @@ def _read_declared(source: Source, sections: Mapping[str, list[int]]) -> frozens
     if ":requirements" not in sections:
         return frozenset((":strips",))
     return read_requirements(_enter(source, sections[":requirements"][0]))
-
-
-def _name_once(
-    entries: list[Typed], source: Source, what: str, taken: Mapping[str, tuple[str, ...]]
-) -> dict[str, tuple[str, ...]]:
-    names: dict[str, tuple[str, ...]] = {}
-    for name, types, offset in entries:
-        if name in names or name in taken:
-            where = " (it is a constant of the domain)" if name in taken else ""
-            raise source.error(f"{what} '{name}' is declared twice{where}", offset)
-        names[name] = types
-    return names
-
-
-def _read_predicates(
-    cursor: Cursor, above: Mapping[str, frozenset[str]], requirements: Requirements
-) -> tuple[Predicate, ...]:
-    found: dict[str, Predicate] = {}
-    while not cursor.closes():
-        name, parameters = _read_signature(cursor, "predicate", found, above, requirements)
-        found[name] = Predicate(name, parameters)
-    cursor.take()
-    return tuple(found.values())
-
-
-def _read_functions(
-    cursor: Cursor, above: Mapping[str, frozenset[str]], requirements: Requirements
-) -> tuple[Function, ...]:
-    found: dict[str, Function] = {}
-    while not cursor.closes():
-        name, parameters = _read_signature(cursor, "function", found, above, requirements)
-        found[name] = Function(name, parameters)
-        if cursor.ahead == "-":
-            cursor.take()
-            if cursor.ahead != "number":
-                raise cursor.error("functions other than numbers are not supported", UnsupportedFeatureError)
-            cursor.take()
-    cursor.take()
-    return tuple(found.values())
-
-
-def _read_signature(
-    cursor: Cursor,
-    what: str,
-    taken: Container[str],
-    above: Mapping[str, frozenset[str]],
-    requirements: Requirements,
-) -> tuple[str, tuple[Parameter, ...]]:
-    """Read ``(name ?x ... - type ...)``."""
-    cursor.take_bracket("(")
-    if cursor.ahead in KEYWORDS:
-        raise cursor.error(f"a {what} can't be named '{cursor.ahead}'")
-    name = cursor.take_name(f"a {what}")
-    if name in taken:
-        raise cursor.error_at_taken(f"{what} '{name}' is declared twice")
-    entries = read_typed_list(cursor, "a variable", requirements, above)
-    return name, tuple(Parameter(variable, types) for variable, types, _ in entries)
 
 
 def _read_action(cursor: Cursor, vocabulary: Vocabulary, requirements: Requirements) -> ActionSchema:
@@ -353,85 +299,6 @@ def _check_domain_name(cursor: Cursor, wanted: str) -> None:
     if name != wanted:
         raise cursor.error_at_taken(f"the problem is for domain '{name}', not '{wanted}'")
     cursor.take_bracket(")")
-
-
-def _read_init(
-    cursor: Cursor, vocabulary: Vocabulary, requirements: Requirements
-) -> tuple[tuple[GroundAtom, ...], dict[GroundAtom, int]]:
-    """Read the rest of ``(:init ...)``: true atoms and initial numbers."""
-    source = cursor.source
-    reader = FormulaReader(cursor, vocabulary, requirements)
-    signatures = {
-        predicate.name: (
-            predicate.name,
-            tuple(vocabulary.members(parameter.types) for parameter in predicate.parameters),
-        )
-        for predicate in vocabulary.predicates.values()
-    }
-    atoms: list[GroundAtom] = []
-    values: dict[GroundAtom, int] = {}
-    denied: dict[GroundAtom, int] = {}
-    while cursor.ahead == "(":
-        cursor.seek(_read_flat_atoms(source.text, cursor.start, signatures, atoms))
-        if cursor.ahead != "(":
-            break
-        start = cursor.start
-        peeking = Cursor(source, start)
-        peeking.take()
-        head = peeking.take()
-        if head == "=" and peeking.ahead == "(":
-            cursor.take()
-            cursor.take()
-            term = reader.read_function_term({})
-            requirements.use(":action-costs", start)
-            _set_value(cursor, values, (term.name, *term.terms), reader.read_amount())
-            cursor.take_bracket(")")
-        elif head == "not":
-            cursor.take()
-            cursor.take()
-            denied[reader.read_ground_atom()] = start
-            cursor.take_bracket(")")
-        elif head == "at" and peeking.ahead[:1].isdigit() and peeking.take() and peeking.ahead == "(":
-            message = "timed initial literals ('at') are not supported"
-            raise source.error(message, start, UnsupportedFeatureError)
-        else:
-            atoms.append(reader.read_ground_atom())
-    cursor.take_bracket(")")
-    init = dict.fromkeys(atoms)
-    for atom, offset in denied.items():
-        if atom in init:
-            raise source.error(f"({' '.join(atom)}) is both true and false in ':init'", offset)
-    return tuple(init), values
-
-
-def _read_flat_atoms(
-    text: str,
-    offset: int,
-    signatures: Mapping[str, tuple[str, tuple[dict[str, str], ...]]],
-    atoms: list[GroundAtom],
-) -> int:
-    """Read as many plain, well-typed atoms as follow each other; give the offset of what comes next.
-
-    Nearly all of a large task is such atoms. Whatever is not is left to the careful reader, which knows what
-    to say about it.
-    """
-    while match := _FLAT_ATOM.match(text, offset):
-        name, *objects = match[1].split() or ("",)
-        predicate, members = signatures.get(name, ("", ()))
-        if not predicate or len(objects) != len(members):
-            break
-        try:
-            # Looking a name up checks its type and gives the one copy of it that all atoms share.
-            atoms.append((predicate, *map(getitem, members, objects)))
-        except KeyError:
-            break
-        offset = match.end()
-    return offset
-
-
-def _set_value(cursor: Cursor, values: dict[GroundAtom, int], term: GroundAtom, value: int) -> None:
-    if values.setdefault(term, value) != value:
-        raise cursor.error_at_taken(f"({' '.join(term)}) has two values in ':init'")
 
 
 def _read_metric(cursor: Cursor, vocabulary: Vocabulary) -> None:

@@ -1,19 +1,20 @@
 """PDDL text as a stream of tokens that know their place, and the check of its brackets."""
 
 import re
-from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from explicable.errors import PDDLError
 
+_LONGEST_MESSAGE = 400
 MAX_NESTING = 200  # far beyond any task; keeps every recursion over formulas away from Python's limit
 
 _COMMENT = re.compile(r";[^\r\n]*+")
-_LINE_END = re.compile(r"\r\n?|\n")
 _TOKEN = re.compile(r"\s*+([()]|\?[^\s()?]*+|[^\s()?]++)")  # "fuel-level?a" is two tokens, as in IPC files
-_BRACKET = re.compile(r"\([^():]*+\)|[()]")  # a flat list counts as one bracket: most of a task is flat atoms
+_BRACKET = re.compile(r"[^()]*+[()]")
+# Most of a task is flat atoms: within sections they are skipped, as many at once as follow each other.
+_BRACKET_AFTER_ATOMS = re.compile(r"(?:[^()]*+\([^():]*+\))*+[^()]*+[()]")
 _KEYWORD = re.compile(r"\(\s*+(:[^\s()?]*+)")
 _SECTIONS = frozenset(
     (":action", ":constants", ":functions", ":goal", ":init", ":metric", ":objects", ":predicates", ":types")
@@ -45,23 +46,23 @@ Warn = Callable[[PDDLWarning], None]
 class Source:
     """The text of one file in lower case and without comments; each character keeps its line and column."""
 
-    __slots__ = ("_line_starts", "_warn", "path", "text")
+    __slots__ = ("_warn", "path", "text")
 
     def __init__(self, text: str, path: str | Path | None, warn: Warn | None) -> None:
         self.path = path
         self.text = _lower(_COMMENT.sub("", text.removeprefix("\ufeff")))
         self._warn = warn
-        self._line_starts: list[int] | None = None
 
     def position(self, offset: int) -> tuple[int, int]:
         """Give line and column of an offset, both counted from 1."""
-        if self._line_starts is None:
-            self._line_starts = [0, *(match.end() for match in _LINE_END.finditer(self.text))]
-        line = bisect_right(self._line_starts, offset)
-        return line, offset - self._line_starts[line - 1] + 1
+        before = self.text[:offset]
+        line = before.count("\n") + before.count("\r") - before.count("\r\n") + 1
+        return line, offset - max(before.rfind("\n"), before.rfind("\r"))
 
     def error(self, message: str, offset: int, kind: type[PDDLError] = PDDLError) -> PDDLError:
         """Make the error that says what is wrong at an offset."""
+        if len(message) > _LONGEST_MESSAGE:  # a name in a damaged file may be as long as the file
+            message = f"{message[:_LONGEST_MESSAGE]} ..."
         line, column = self.position(offset)
         return kind(message, path=self.path, line=line, column=column)
 
@@ -70,8 +71,8 @@ class Source:
         if self._warn is not None:
             self._warn(PDDLWarning(message, self.path, *self.position(offset)))
 
-    def sections(self) -> list[int]:
-        """Check the brackets of ``(define (...) ...)`` once; give the offset of each list directly inside.
+    def sections(self) -> Iterator[int]:
+        """Go through ``(define (...) ...)`` and check its brackets; give the offset of each list inside.
 
         Raises
         ------
@@ -79,48 +80,37 @@ class Source:
             If brackets don't match, lists are nested deeper than `MAX_NESTING`, or there is text before,
             after or between the lists.
         """
-        spans, stop = self._spans()
+        text = self.text
         head = Cursor(self, 0)
-        head.take_bracket("(")
+        if head.ahead != "(":
+            raise head.error(f"expected '(define ...)', not {head.shown}")
+        opened = [head.start]
+        head.take()
         if head.ahead != "define":
             raise head.error(f"expected 'define', not {head.shown}")
-        head.take()
-        begin = head.taken + len("define")
-        for start, end in (*spans, (stop - 1, stop)):
-            between = self.text[begin:start]
-            if stray := between.strip():
-                raise self.error(f"unexpected '{stray.split()[0]}'", begin + between.index(stray))
-            begin = end
-        if trailing := self.text[stop:].lstrip():
-            raise self.error("text after the end of '(define ...)'", len(self.text) - len(trailing))
-        return [begin for begin, _ in spans]
-
-    def _spans(self) -> tuple[list[tuple[int, int]], int]:
-        """Find the lists at depth 2, and where the outermost one ends."""
-        text, spans, opened = self.text, list[tuple[int, int]](), list[int]()
-        for match in _BRACKET.finditer(text):
-            start, end = match.span()
+        end = head.start + len("define")
+        while opened:
             depth = len(opened)
-            if end - start > 1 and depth > 1:
-                continue
-            if text[start] == "(":
-                if depth >= MAX_NESTING:
-                    raise self.error(f"lists are nested deeper than {MAX_NESTING}", start)
-                if depth > 1 and (keyword := _KEYWORD.match(text, start)) and keyword[1] in _SECTIONS:
-                    raise self.error(f"a ')' is missing before '{keyword[1]}'", start)
-                opened.append(start)
-            if text[end - 1] == ")":
-                if not opened:
-                    raise self.error("')' without a '(' before it", start)
-                begin = opened.pop()
-                if not opened:
-                    return spans, end
-                if len(opened) == 1:
-                    spans.append((begin, end))
-        if opened:
-            raise self.error("this '(' is never closed", opened[-1])
-        first = len(text) - len(text.lstrip())
-        raise self.error("expected '(define ...)'", first if first < len(text) else 0)
+            match = (_BRACKET if depth == 1 else _BRACKET_AFTER_ATOMS).match(text, end)
+            if match is None:
+                raise self.error("this '(' is never closed", opened[-1])
+            bracket = match.end() - 1
+            if depth == 1 and (stray := text[end:bracket].split(maxsplit=1)):
+                raise self.error(f"unexpected '{stray[0]}'", text.index(stray[0], end))
+            end = bracket + 1
+            if text[bracket] == ")":
+                start = opened.pop()
+                if depth == 2:
+                    yield start
+            elif depth >= MAX_NESTING:
+                raise self.error(f"lists are nested deeper than {MAX_NESTING}", bracket)
+            elif depth > 1 and (keyword := _KEYWORD.match(text, bracket)) and keyword[1] in _SECTIONS:
+                raise self.error(f"a ')' is missing before '{keyword[1]}'", bracket)
+            else:
+                opened.append(bracket)
+        trailing = Cursor(self, end)
+        if trailing.ahead:
+            raise trailing.error("text after the end of '(define ...)'")
 
 
 class Cursor:
@@ -156,10 +146,10 @@ class Cursor:
 
     def take(self) -> str:
         """Take the next token."""
-        token = self.ahead
+        taken = self.ahead
         self.taken = self.start
         self.seek(self._end)
-        return token
+        return taken
 
     def take_bracket(self, bracket: str) -> None:
         """Take a bracket that has to be there."""
