@@ -1,6 +1,6 @@
 """Simulated participants: test instruments that stand in for a person, and never for evidence about people.
 
-A participant is a handful of parameters. What it believes while it plays is a `explicable.execution.mind.Mind`.
+A participant is a handful of parameters. What it believes while it plays is its `mind`.
 """
 
 import tomllib
@@ -36,7 +36,8 @@ class Participant:
         What a robot step is held against: the fulfilment of the last request, or the team's whole mission.
     judgement
         ``regret``: a step is inexplicable if it costs more than ``slack`` extra on the best way believed in.
-        ``boltzmann``: with probability ``1 - p(step) / p(best step)`` under ``p = softmax(-cost / temperature)``.
+        ``boltzmann``: with probability ``1 - p(step) / p(best step)``, where
+        ``p = softmax(-cost / temperature)``.
     slack, temperature
         In the unit of cost.
     noise
@@ -124,16 +125,16 @@ def read_families(path: str | Path) -> dict[str, Family]:
 
 
 def parse_families(text: str, path: str | Path | None = None) -> dict[str, Family]:
-    """Read families: one TOML table each; a number is fixed, a pair is a range.
+    r"""Read families: one TOML table each; a number is fixed, a pair is a range.
 
     Raises
     ------
     InputError
-        If it is not TOML, or a parameter is unknown or out of its range; the message names family and parameter.
+        If it is not TOML, or a parameter is unknown or out of its range; names family and parameter.
 
     Examples
     --------
-    >>> parse_families("[calm]\\nslack = 2\\nnoise = [0, 0.1]")["calm"].ranges
+    >>> parse_families("[calm]\nslack = 2\nnoise = [0, 0.1]")["calm"].ranges
     {'noise': (0.0, 0.1)}
     """
     try:

@@ -1,0 +1,163 @@
+"""The execution monitor: what an event means in each state, as one table. Pure; `loop` has the effects.
+
+The monitor knows neither plans nor worlds. Whoever drives it tells it what happened outside (a step finished,
+the person acted, ...) and, while it is *deciding*, what the plan says next. It answers with commands to carry
+out in order.
+"""
+
+from collections.abc import Mapping
+from enum import StrEnum
+from types import MappingProxyType
+
+from explicable.errors import UsageError
+
+
+class State(StrEnum):
+    """Where execution stands."""
+
+    DECIDING = "deciding"
+    ACTING = "acting"
+    LISTENING = "listening"
+    PLANNING = "planning"
+    REACHED = "goal reached"
+    FAILED = "failed"
+    ABORTED = "aborted"
+
+
+class Event(StrEnum):
+    """What can happen."""
+
+    # What the plan says, asked for while deciding.
+    GOAL_HOLDS = "goal holds"
+    ROBOT_NEXT = "robot next"
+    PERSON_NEXT = "person next"
+    PLAN_BROKEN = "plan broken"
+    # What the planner says.
+    PLAN_READY = "plan ready"
+    PLANNER_FAILED = "planner failed"
+    NO_PLAN_EXISTS = "no plan exists"
+    # What robot and person do.
+    STEP_FINISHED = "step finished"
+    STEP_FAILED = "step failed"
+    PERSON_ACTED = "person acted"
+    PERSON_IDLE = "person idle"
+    FACT_OBSERVED = "fact observed"
+    ANSWER_GIVEN = "answer given"
+    TIME_UP = "time up"
+    ABORT = "abort"
+
+
+class Command(StrEnum):
+    """What to do about it."""
+
+    SEND_STEP = "send step"
+    CANCEL_STEP = "cancel step"
+    CANCEL_PLANNER = "cancel planner"
+    REQUEST_PLAN = "request plan"
+    ADOPT_PLAN = "adopt plan"
+    ADOPT_SAFE_PLAN = "adopt safe plan"
+    TAKE_ROBOT_STEP = "take robot step"
+    TAKE_PERSON_STEP = "take person step"
+    KEEP_PERSON_STEP = "keep person step"
+    TAKE_FACT = "take fact"
+    RECORD_ANSWER = "record answer"
+    ASK_PERSON = "ask person"
+
+
+class IllegalEventError(UsageError):
+    """An event that can't happen in this state."""
+
+
+Transition = tuple[State, tuple[Command, ...]]
+
+FINAL = frozenset((State.REACHED, State.FAILED, State.ABORTED))
+
+TABLE: Mapping[tuple[State, Event], Transition] = MappingProxyType(
+    {
+        # Every step is accounted for; the plan is looked at.
+        (State.DECIDING, Event.GOAL_HOLDS): (State.REACHED, ()),
+        (State.DECIDING, Event.ROBOT_NEXT): (State.ACTING, (Command.SEND_STEP,)),
+        (State.DECIDING, Event.PERSON_NEXT): (State.LISTENING, ()),
+        (State.DECIDING, Event.PLAN_BROKEN): (State.PLANNING, (Command.REQUEST_PLAN,)),
+        (State.DECIDING, Event.PERSON_ACTED): (State.DECIDING, (Command.TAKE_PERSON_STEP,)),
+        (State.DECIDING, Event.FACT_OBSERVED): (State.DECIDING, (Command.TAKE_FACT,)),
+        (State.DECIDING, Event.ANSWER_GIVEN): (State.DECIDING, (Command.RECORD_ANSWER,)),
+        (State.DECIDING, Event.TIME_UP): (State.FAILED, ()),
+        (State.DECIDING, Event.ABORT): (State.ABORTED, ()),
+        # The robot is about a step; what the person does meanwhile counts once it is done.
+        (State.ACTING, Event.STEP_FINISHED): (State.DECIDING, (Command.TAKE_ROBOT_STEP, Command.ASK_PERSON)),
+        (State.ACTING, Event.STEP_FAILED): (State.PLANNING, (Command.REQUEST_PLAN,)),
+        (State.ACTING, Event.PERSON_ACTED): (State.ACTING, (Command.KEEP_PERSON_STEP,)),
+        (State.ACTING, Event.FACT_OBSERVED): (State.ACTING, (Command.TAKE_FACT,)),
+        (State.ACTING, Event.ANSWER_GIVEN): (State.ACTING, (Command.RECORD_ANSWER,)),
+        (State.ACTING, Event.TIME_UP): (State.FAILED, (Command.CANCEL_STEP,)),
+        (State.ACTING, Event.ABORT): (State.ABORTED, (Command.CANCEL_STEP,)),
+        # The plan predicts a step of the person.
+        (State.LISTENING, Event.PERSON_ACTED): (State.DECIDING, (Command.TAKE_PERSON_STEP,)),
+        (State.LISTENING, Event.PERSON_IDLE): (State.PLANNING, (Command.REQUEST_PLAN,)),
+        (State.LISTENING, Event.FACT_OBSERVED): (State.DECIDING, (Command.TAKE_FACT,)),
+        (State.LISTENING, Event.ANSWER_GIVEN): (State.LISTENING, (Command.RECORD_ANSWER,)),
+        (State.LISTENING, Event.TIME_UP): (State.FAILED, ()),
+        (State.LISTENING, Event.ABORT): (State.ABORTED, ()),
+        # No plan fits. A plan for what has since changed is of no use, so the planner starts again.
+        (State.PLANNING, Event.PLAN_READY): (State.DECIDING, (Command.ADOPT_PLAN,)),
+        (State.PLANNING, Event.PLANNER_FAILED): (State.DECIDING, (Command.ADOPT_SAFE_PLAN,)),
+        (State.PLANNING, Event.NO_PLAN_EXISTS): (State.FAILED, ()),
+        (State.PLANNING, Event.PERSON_ACTED): (
+            State.PLANNING,
+            (Command.CANCEL_PLANNER, Command.TAKE_PERSON_STEP, Command.REQUEST_PLAN),
+        ),
+        (State.PLANNING, Event.FACT_OBSERVED): (
+            State.PLANNING,
+            (Command.CANCEL_PLANNER, Command.TAKE_FACT, Command.REQUEST_PLAN),
+        ),
+        (State.PLANNING, Event.ANSWER_GIVEN): (State.PLANNING, (Command.RECORD_ANSWER,)),
+        (State.PLANNING, Event.TIME_UP): (State.FAILED, (Command.CANCEL_PLANNER,)),
+        (State.PLANNING, Event.ABORT): (State.ABORTED, (Command.CANCEL_PLANNER,)),
+    }
+)
+
+
+def react(state: State, event: Event) -> Transition:
+    """Look an event up.
+
+    Returns
+    -------
+    State, tuple of Command
+        The state that follows, and what to do, in order.
+
+    Raises
+    ------
+    IllegalEventError
+        If the event can't happen in this state. Nothing has changed then.
+
+    Examples
+    --------
+    >>> react(State.DECIDING, Event.ROBOT_NEXT)
+    (<State.ACTING: 'acting'>, (<Command.SEND_STEP: 'send step'>,))
+    """
+    try:
+        return TABLE[state, event]
+    except KeyError:
+        raise IllegalEventError(f"{event.value!r} can't happen while {state.value!r}") from None
+
+
+def draw_monitor() -> str:
+    """Draw the table as a Mermaid state diagram; events that only note something are left out.
+
+    Examples
+    --------
+    >>> print(draw_monitor().splitlines()[2])
+        deciding --> goal_reached: goal holds
+    """
+    lines = ["stateDiagram-v2", f"    [*] --> {_word(State.DECIDING)}"]
+    for (state, event), (after, commands) in TABLE.items():
+        if state is not after:
+            then = f" / {', '.join(commands)}" if commands else ""
+            lines.append(f"    {_word(state)} --> {_word(after)}: {event.value}{then}")
+    lines.extend(f"    {_word(state)} --> [*]" for state in State if state in FINAL)
+    return "\n".join(lines) + "\n"
+
+
+def _word(state: State) -> str:
+    return state.value.replace(" ", "_")
