@@ -1,1 +1,33 @@
-"""The first-response domain of the paper."""
+"""The first-response domain of the paper: maps, how they are made, encoded as team problems, and drawn."""
+
+from explicable.first_response.encoding import Semantics, encode
+from explicable.first_response.generator import builtin_maps, generate
+from explicable.first_response.picture_key import render_key
+from explicable.first_response.rendering import render
+from explicable.first_response.world import (
+    Cell,
+    View,
+    World,
+    distances,
+    format_map,
+    parse_map,
+    read_map,
+    shortest_path,
+)
+
+__all__ = [
+    "Cell",
+    "Semantics",
+    "View",
+    "World",
+    "builtin_maps",
+    "distances",
+    "encode",
+    "format_map",
+    "generate",
+    "parse_map",
+    "read_map",
+    "render",
+    "render_key",
+    "shortest_path",
+]

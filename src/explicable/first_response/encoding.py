@@ -50,7 +50,7 @@ def encode(world: World, semantics: Semantics = "persistent") -> TeamProblem:
         ``persistent``: a command permits a visit from then on and is never withdrawn; moves are not tied to a
         command; a room may be commanded anew, which makes it the present target again. ``exclusive``: one
         command is in force; robots move only under a command; a new one replaces it, and visiting the room
-        fulfils it, and visiting the room fulfils it.
+        fulfils it.
 
     Raises
     ------

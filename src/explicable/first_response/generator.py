@@ -203,6 +203,8 @@ def _attempt(rng: "np.random.Generator", order: _Order) -> World | None:
         return None
     expected = [shortest_path(plan, *ends) or () for ends in pairwise(_shuffled(rng, stops))]
     kept = _ways_kept_open(rng, grid, stops, {cell for way in expected for cell in way})
+    if not kept.issuperset(stops):
+        return None  # walls part the robots
     free = {cell for cell, character in grid.items() if character == FLOOR and cell not in kept}
     hidden: set[Cell] = set()
     for shape in _shapes(rng, plan, expected, free):

@@ -1,0 +1,323 @@
+"""First-response maps and plans as pictures (SVG)."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from string import ascii_uppercase
+
+from explicable.errors import UsageError
+from explicable.first_response import glyphs
+from explicable.first_response.encoding import robot_name
+from explicable.first_response.glyphs import CELL
+from explicable.first_response.picture_key import draw_key
+from explicable.first_response.routes import Command, Passage, Routes, trace_routes
+from explicable.first_response.world import Cell, View, World, cell_name
+from explicable.model.plan import JointPlan, format_action
+from explicable.model.problem import GroundAtom
+
+LARGE = 2500
+"""Cells from which on a map is drawn without grid and hatching."""
+LARGEST_PX = 1600
+"""Largest width or height that a picture asks for, in pixels."""
+NARROWEST_PX = 240
+"""Least width of a picture with a title or a key."""
+LANE, NEXT_LANE, NUM_LANES = 4, 8, 3
+"""A way lies so far to the right of the middle, each time it is gone again so much more, but for the last."""
+
+
+def render(
+    world: World,
+    view: View = "human",
+    plan: JointPlan | Sequence[GroundAtom] | None = None,
+    labels: Sequence[bool | None] | None = None,
+    probabilities: Sequence[float] | None = None,
+    title: str | None = None,
+    key: bool = False,
+) -> str:
+    """Draw a map and, if given, a plan on it.
+
+    Parameters
+    ----------
+    world
+        The map.
+    view
+        ``robot`` shades hidden obstacles, ``human`` draws them as the floor that the person takes them for.
+    plan
+        Steps as arrows; cells where commands are given in yellow, with the number of the command and the
+        letter of the room; rooms with the order of the visits. Ways gone several times lie side by side and
+        keep to the right.
+    labels
+        For each step whether it is explicable, or None; the arrows of steps that are not are orange and
+        dashed.
+    probabilities
+        For each step the probability that it is explicable: arrows are shaded from blue (1) to orange (0),
+        and dashed below one half where ``labels`` do not say otherwise.
+    title
+        Heading, also the picture's accessible name.
+    key
+        Whether to explain the signs below the map.
+
+    Returns
+    -------
+    str
+        An SVG element without identifiers, to be written to a file or put into a page as it is.
+
+    Raises
+    ------
+    PlanError
+        The plan does not fit the map.
+    UsageError
+        Not one label or one probability a step.
+
+    Examples
+    --------
+    >>> render(World(("@*",)), title="A < B")[:66]
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 -36 240 84" wid'
+    """
+    actions = plan.actions if isinstance(plan, JointPlan) else tuple(plan or ())
+    doubted = _doubted_steps(actions, labels, probabilities)
+    routes = trace_routes(world, actions)
+    names = dict(zip(world.marks, _letters(len(world.marks)), strict=True))
+
+    canvas = _canvas(world)
+    parts = _floor_plan(world, view, routes.commands)
+    for robot in range(len(world.robots)):
+        passages = [passage for passage in routes.passages if passage.robot == robot_name(robot)]
+        parts += _arrows(passages, actions, doubted, probabilities, double=robot > 0, scale=canvas.emphasis)
+    parts += _signs(world, routes, names, doubted, canvas.emphasis)
+    # From here on in pixels: title and key have the same size with every map.
+    width, height = canvas.width / canvas.zoom, canvas.height / canvas.zoom
+    left, top = 0.0, 0.0
+    drawing = (
+        f'<svg width="{glyphs.number(width)}" height="{glyphs.number(height)}" '
+        f'viewBox="{_box(canvas.left, canvas.top, canvas.width, canvas.height)}">{"".join(parts)}</svg>'
+    )
+    if title or key:
+        width = max(width, NARROWEST_PX)
+    if title:
+        size = min(20, 1.5 * width / len(title))
+        drawing += glyphs.label(
+            left + 2, top - 12, title, size=size, fill=glyphs.INK, weight=600, anchor="start"
+        )
+        top -= 36
+        height += 36
+    if key:
+        signs, key_height = draw_key(round(width), view, with_plan=bool(actions))
+        drawing += glyphs.placed(signs, left, top + height + 14)
+        height += key_height + 14
+    box = _box(left, top, width, height)
+    x, y, w, h = box.split()
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="{w}" height="{h}" role="img">'
+        f"<title>{glyphs.clean(title or 'First-response map')}</title>"
+        f"<desc>{glyphs.clean(_describe(world, view, actions, routes, names, doubted))}</desc>"
+        f'<rect x="{x}" y="{y}" width="{w}" height="{h}" fill="{glyphs.PAPER}"/>{drawing}</svg>\n'
+    )
+
+
+def _box(*numbers: float) -> str:
+    return " ".join(glyphs.number(value) for value in numbers)
+
+
+@dataclass(frozen=True, slots=True)
+class _Canvas:
+    """The part of the plane that a map's picture shows, and how large.
+
+    ``zoom`` is the number of drawing units to a pixel, ``emphasis`` how much larger than its cells the
+    signs on a large map are.
+    """
+
+    left: float
+    top: float
+    width: float
+    height: float
+    zoom: float
+    emphasis: float
+
+
+def _canvas(world: World) -> _Canvas:
+    """Frame a map; of a wall all around only a strip is shown."""
+    last_row, last_column = world.height - 1, world.width - 1
+    walled = min(last_row, last_column) > 1 and all(
+        cell in world.walls
+        for cell in (
+            *product((0, last_row), range(world.width)),
+            *product(range(world.height), (0, last_column)),
+        )
+    )
+    cropped = 0.7 * CELL if walled else 0.0
+    width, height = world.width * CELL - 2 * cropped, world.height * CELL - 2 * cropped
+    zoom = max(1.0, max(width, height) / LARGEST_PX)
+    return _Canvas(cropped, cropped, width, height, zoom, emphasis=max(1.0, 0.6 * zoom))
+
+
+def _doubted_steps(
+    actions: Sequence[GroundAtom],
+    labels: Sequence[bool | None] | None,
+    probabilities: Sequence[float] | None,
+) -> frozenset[int]:
+    """Return the steps that are held for inexplicable."""
+    for values, name in ((labels, "label"), (probabilities, "probability")):
+        if values is not None and len(values) != len(actions):
+            raise UsageError(f"a plan of {len(actions)} steps needs one {name} a step, not {len(values)}")
+    if labels is not None:
+        return frozenset(step for step, label in enumerate(labels) if label is False)
+    return frozenset(step for step, probability in enumerate(probabilities or ()) if probability < 0.5)
+
+
+def _letters(count: int) -> list[str]:
+    """Name rooms A, B, ..., Z, AA, AB, ..."""
+    names = list(ascii_uppercase)
+    length = 2
+    while len(names) < count:
+        names += ["".join(letters) for letters in product(ascii_uppercase, repeat=length)]
+        length += 1
+    return names[:count]
+
+
+def _floor_plan(world: World, view: View, commands: Sequence[Command]) -> list[str]:
+    width, height = world.width * CELL, world.height * CELL
+    large = world.width * world.height >= LARGE
+    parts = [f'<rect width="{width}" height="{height}" fill="{glyphs.FLOOR_INK}"/>']
+    if not large:
+        grid = "".join(f"M0 {y}H{width}" for y in range(CELL, height, CELL))
+        grid += "".join(f"M{x} 0V{height}" for x in range(CELL, width, CELL))
+        parts.append(glyphs.path(grid, stroke=glyphs.GRID_INK, stroke_width=1))
+    if view == "robot":
+        parts.append(glyphs.hidden_obstacles(world.hidden, hatched=not large))
+    parts.append(glyphs.path(glyphs.boxes(world.marks), fill=glyphs.ROOM_FILL))
+    parts.append(glyphs.command_cells({command.cell for command in commands}))
+    parts.append(glyphs.crates(world.obstacles))
+    parts.append(glyphs.path(glyphs.boxes(world.walls), fill=glyphs.WALL_INK))
+    parts.append(
+        f'<rect x="0.5" y="0.5" width="{width - 1}" height="{height - 1}" fill="none" '
+        f'stroke="{glyphs.WALL_INK}" stroke-width="1"/>'
+    )
+    return parts
+
+
+def _arrows(
+    passages: Sequence[Passage],
+    actions: Sequence[GroundAtom],
+    doubted: frozenset[int],
+    probabilities: Sequence[float] | None,
+    *,
+    double: bool,
+    scale: float,
+) -> list[str]:
+    """Draw one robot's way, each step beginning where the one before it ends."""
+    parts = []
+    begin: list[glyphs.Point] = []
+    heads_apart = 1 if scale == 1 else round(2 * scale)
+    for index, passage in enumerate(passages):
+        step = passage.step
+        probability = float(step not in doubted) if probabilities is None else probabilities[step]
+        colour = glyphs.shade(min(1.0, max(0.0, probability)))
+        caption = f"{step + 1}. {format_action(actions[step])}"
+        if probabilities is not None:
+            caption += f", explicable with probability {probability:.2f}"
+        elif step in doubted:
+            caption += ", inexplicable"
+        start = begin or [_aside(_centre(passage.start), passage)]
+        end, begin = _join(passage, passages[index + 1] if index + 1 < len(passages) else None)
+        drawing = glyphs.line([*start, end], colour, dashed=step in doubted, double=double, scale=scale)
+        if index % heads_apart == 0:
+            x, y = _centre(passage.start)
+            right, down = _heading(passage)
+            border = x + right * CELL / 2, y + down * CELL / 2
+            drawing += glyphs.arrow_head(_aside(border, passage), (right, down), colour, scale)
+        parts.append(f"<g><title>{glyphs.clean(caption)}</title>{drawing}</g>")
+    return parts
+
+
+def _join(passage: Passage, following: Passage | None) -> tuple[glyphs.Point, list[glyphs.Point]]:
+    """Return where a step's line ends, and the points with which the next one begins."""
+    centre = _centre(passage.end)
+    end = _aside(centre, passage)
+    if following is None:
+        return end, []
+    right, down = _heading(passage)
+    next_right, next_down = _heading(following)
+    if (next_right, next_down) == (-right, -down):  # turning back: a small loop behind the middle
+        end = end[0] + right * 4, end[1] + down * 4
+        beside = _aside(centre, following)
+        return end, [end, (beside[0] + right * 4, beside[1] + down * 4)]
+    if (next_right, next_down) == (right, down):
+        if _offset(passage) == _offset(following):
+            return end, [end]
+        beside = _aside(centre, following)
+        return end, [end, (beside[0] + right * 9, beside[1] + down * 9)]
+    corner = _aside(end, following)
+    return corner, [corner]
+
+
+def _centre(cell: Cell) -> glyphs.Point:
+    return cell[1] * CELL + CELL / 2, cell[0] * CELL + CELL / 2
+
+
+def _heading(passage: Passage) -> tuple[int, int]:
+    return passage.end[1] - passage.start[1], passage.end[0] - passage.start[0]
+
+
+def _offset(passage: Passage) -> int:
+    return LANE + NEXT_LANE * min(passage.lane, NUM_LANES - 1)
+
+
+def _aside(point: glyphs.Point, passage: Passage) -> glyphs.Point:
+    """Move a point to the right of where the step leads."""
+    right, down = _heading(passage)
+    return point[0] - down * _offset(passage), point[1] + right * _offset(passage)
+
+
+def _signs(
+    world: World, routes: Routes, names: dict[Cell, str], doubted: frozenset[int], scale: float
+) -> list[str]:
+    """Draw what lies above the ways: rooms, robots, and which commands are given where."""
+    order = {visit.room: index for index, visit in enumerate(routes.visits, 1)}
+    in_doubt = {visit.room for visit in routes.visits if visit.step in doubted}
+    parts = []
+    for room, letter in names.items():
+        badge = glyphs.room_badge(letter, order.get(room), doubted=room in in_doubt)
+        caption = f"<title>room {letter}, {cell_name(room)}</title>"
+        parts.append(glyphs.placed(caption + badge, *_centre(room), scale))
+    for index, cell in enumerate(world.robots):
+        head = glyphs.robot_head(robot_name(index))
+        if len(world.robots) > 1:
+            head += glyphs.label(0, 21, robot_name(index), size=10, fill=glyphs.INK)
+        parts.append(glyphs.placed(head, *_centre(cell), scale))
+    given: dict[Cell, list[str]] = defaultdict(list)
+    for index, command in enumerate(routes.commands, 1):
+        given[command.cell].append(f"{index}{names[command.room]}")
+    # One command in each corner of the cell, more than four as a range.
+    corners = ((-20, -11, "start"), (20, -11, "end"), (-20, 20, "start"), (20, 20, "end"))
+    for cell, texts in given.items():
+        shown = texts if len(texts) <= len(corners) else [f"{texts[0]} …", texts[-1]]
+        x, y = _centre(cell)
+        parts += [
+            glyphs.command_label(x + right * scale, y + down * scale, text, size=11 * scale, anchor=anchor)
+            for text, (right, down, anchor) in zip(shown, corners, strict=False)
+        ]
+    return parts
+
+
+def _describe(
+    world: World,
+    view: View,
+    actions: Sequence[GroundAtom],
+    routes: Routes,
+    names: dict[Cell, str],
+    doubted: frozenset[int],
+) -> str:
+    seen = "as the robot sees it" if view == "robot" else "as the person sees it"
+    text = (
+        f"Floor plan of {world.height} by {world.width} cells {seen}: {len(world.marks)} marked rooms, "
+        f"{len(world.obstacles)} breakable obstacles"
+    )
+    text += f", {len(world.hidden)} hidden obstacles." if view == "robot" else "."
+    if actions:
+        visited = ", ".join(names[visit.room] for visit in routes.visits)
+        text += f" Plan of {len(actions)} steps; rooms are visited in the order {visited or 'none'}."
+        if doubted:
+            text += f" Inexplicable steps: {', '.join(str(step + 1) for step in sorted(doubted))}."
+    return text
