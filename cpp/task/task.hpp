@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -28,19 +29,23 @@ struct Table {
     }
 };
 
+// A goal that is a disjunction becomes one fact, which auxiliary operators of cost 0 achieve, one a disjunct.
+// They are not steps of a plan. The value stands for their schema and for the predicate of the fact.
+constexpr std::int32_t auxiliary = std::numeric_limits<std::int32_t>::min();
+
 struct Task {
     // Facts. Each belongs to one finite-domain variable; of a variable's facts at most one is true in any
     // reachable state. fact_value counts from 1; the value 0 means that none of the variable's facts is true.
     Table<FactId> variable_facts;
     std::vector<VariableId> fact_variable;
     std::vector<std::int32_t> fact_value;
-    std::vector<std::int32_t> fact_predicate;  // index into the problem's predicates; ~index for a negated atom
+    std::vector<std::int32_t> fact_predicate;  // index into the problem's predicates; ~index for a negated atom, `auxiliary`
     Table<std::int32_t> fact_arguments;        // object numbers
 
     // Operators; rows sorted by fact. A fact that is both deleted and added ends up true and stands in adds only.
     Table<FactId> preconditions, adds, deletes;
     std::vector<std::int32_t> cost;
-    std::vector<std::int32_t> operator_schema;  // index into the problem's actions
+    std::vector<std::int32_t> operator_schema;  // index into the problem's actions, or `auxiliary`
     Table<std::int32_t> operator_arguments;     // object numbers, one a parameter
 
     // Conditional effects: those of operator o are effect_offsets[o] up to effect_offsets[o + 1].
