@@ -59,7 +59,7 @@ class FeatureEncoder:
     Examples
     --------
     >>> encoder = FeatureEncoder()
-    >>> encoder.add_all([[["move", "near"], ["visit"], {"near": 1.0, "move": 1.0}]])
+    >>> encoder.add_all([[["move", "near"], ["visit"], ["near", "move"]]])
     >>> names = encoder.feature_names()
     >>> names
     ('move', 'near', 'visit')
@@ -68,9 +68,12 @@ class FeatureEncoder:
     """
 
     def __init__(self) -> None:
-        self._row_of_raw: dict[tuple[object, ...], int] = {}
-        self._row_of_canonical: dict[tuple[object, ...], int] = {}
-        self._rows: list[tuple[tuple[str, ...], tuple[float, ...] | None]] = []
+        self._row_of: dict[tuple[object, ...], int] = {}
+        self._id_of: dict[str, int] = {}  # by first appearance
+        self._names: list[str] = []
+        self._row_offsets = array("q", [0])
+        self._row_features = array("i")
+        self._row_values = array("d")
         self._position_rows = array("i")
         self._offsets = array("q", [0])
 
@@ -90,23 +93,20 @@ class FeatureEncoder:
 
     def feature_names(self) -> tuple[str, ...]:
         """Return all features seen, sorted."""
-        return tuple(sorted({name for names, _ in self._rows for name in names}))
+        return tuple(sorted(self._names))
 
     def encode(self, feature_names: Sequence[str]) -> EncodedSequences:
         """Return the sequences with features numbered as in `feature_names`; others are left out."""
-        ids = {name: number for number, name in enumerate(feature_names)}
-        features, offsets = array("i"), array("q", [0])
-        values: array[float] | None = array("d") if any(values for _, values in self._rows) else None
-        for names, row_values in self._rows:
-            known = [k for k, name in enumerate(names) if name in ids]
-            features.extend(ids[names[k]] for k in known)
-            if values is not None:
-                values.extend(1.0 if row_values is None else row_values[k] for k in known)
-            offsets.append(len(features))
+        final_ids = {name: number for number, name in enumerate(feature_names)}
+        renumbered = np.array([final_ids.get(name, -1) for name in self._names], dtype=np.int32)
+        features = renumbered[np.array(self._row_features, dtype=np.int32)]
+        known = features >= 0
+        num_known_before = np.concatenate([[0], np.cumsum(known)])
+        values = np.array(self._row_values, dtype=np.float64)[known]
         return EncodedSequences(
-            row_offsets=np.array(offsets, dtype=np.int64),
-            row_features=np.array(features, dtype=np.int32),
-            row_values=np.array([] if values is None else values, dtype=np.float64),
+            row_offsets=num_known_before[np.array(self._row_offsets, dtype=np.int64)].astype(np.int64),
+            row_features=features[known],
+            row_values=values[:0] if (values == 1.0).all() else values,
             offsets=np.array(self._offsets, dtype=np.int64),
             position_rows=np.array(self._position_rows, dtype=np.int32),
         )
@@ -114,33 +114,33 @@ class FeatureEncoder:
     def _row(self, position: Features) -> int:
         if isinstance(position, str):
             raise UsageError(f"features must be a collection of names, not the string {position!r}")
-        raw: tuple[object, ...] = (
-            tuple(position.items()) if isinstance(position, Mapping) else tuple(position)
-        )
-        row = self._row_of_raw.get(raw)
-        if row is None:
-            row = self._row_of_raw[raw] = self._add_row(raw)
-        return row
+        # The order in which features are named must not show in the result: hence sorted.
+        key = tuple(sorted(position.items() if isinstance(position, Mapping) else position))
+        row = self._row_of.get(key)
+        return self._add_row(key) if row is None else row
 
-    def _add_row(self, raw: tuple[object, ...]) -> int:
-        totals: dict[str, float] = {}
-        for item in raw:
+    def _add_row(self, key: tuple[object, ...]) -> int:
+        totals: dict[int, float] = {}
+        for item in key:
             name, value = item if isinstance(item, tuple) and len(item) == 2 else (item, 1.0)
             if not isinstance(name, str):
                 raise UsageError(f"a feature's name must be a string, not {name!r}")
+            feature = self._id_of.setdefault(name, len(self._names))
+            if feature == len(self._names):
+                self._names.append(name)
             try:
-                totals[name] = totals.get(name, 0.0) + float(value)
+                totals[feature] = totals.get(feature, 0.0) + float(value)
             except (TypeError, ValueError):
                 raise UsageError(f"feature {name!r} has the value {value!r}, which is no number") from None
-            if not math.isfinite(totals[name]):
+            if not math.isfinite(totals[feature]):
                 raise UsageError(f"feature {name!r} has the value {value!r}; it must be finite")
-        names = tuple(sorted(totals))
-        values = tuple(totals[name] for name in names)
-        row = (names, None if all(value == 1.0 for value in values) else values)
-        known = self._row_of_canonical.setdefault(row, len(self._rows))
-        if known == len(self._rows):
-            self._rows.append(row)
-        return known
+        self._row_features.extend(totals)
+        self._row_values.extend(totals.values())
+        self._row_offsets.append(len(self._row_features))
+        # Of equal strings only one is kept in memory.
+        shared = tuple(self._names[self._id_of[item]] if isinstance(item, str) else item for item in key)
+        self._row_of[shared] = len(self._row_of)
+        return self._row_of[shared]
 
 
 def encode_labels(

@@ -169,20 +169,23 @@ class Training:
 
     def _run(self, objective: Objective, start: NDArray[np.float64], lowest: float) -> Optimum:
         from scipy.optimize import Bounds, minimize
+        from threadpoolctl import threadpool_limits
 
-        result = minimize(
-            objective,
-            start,
-            jac=True,
-            method="L-BFGS-B",
-            bounds=Bounds(np.full(len(start), lowest)) if lowest > -math.inf else None,
-            options={
-                "maxiter": self.max_iterations,
-                "maxfun": 2 * self.max_iterations + 20,
-                "ftol": self.tolerance,
-                "gtol": 0.0,
-            },
-        )
+        # One thread: L-BFGS works on vectors far too short to share, and sums must not depend on the machine.
+        with threadpool_limits(1, user_api="blas"):
+            result = minimize(
+                objective,
+                start,
+                jac=True,
+                method="L-BFGS-B",
+                bounds=Bounds(np.full(len(start), lowest)) if lowest > -math.inf else None,
+                options={
+                    "maxiter": self.max_iterations,
+                    "maxfun": 2 * self.max_iterations + 20,
+                    "ftol": self.tolerance,
+                    "gtol": 0.0,
+                },
+            )
         # Status 2: no step improves the objective any more; floating point allows no better.
         return Optimum(result.x, float(result.fun), int(result.nit), result.status in {0, 2})
 
