@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from explicable.errors import UsageError
 from explicable.first_response.generator import generate
-from explicable.first_response.picture_key import render_key
+from explicable.first_response.picture_key import key_entries
 from explicable.first_response.rendering import render
 from explicable.first_response.world import World, cell_name, parse_map, shortest_path
 from explicable.model.plan import JointPlan, Step
@@ -95,6 +95,10 @@ def test_large_maps_and_teams_stay_of_sensible_size():
     assert {"r1", "r2", "r3", "room AD, " + cell_name(world.marks[29])} <= set(captions(svg))
 
 
-def test_key_names_the_signs():
-    texts = [text.text for text in ET.fromstring(render_key("robot")).iter(f"{SVG}text")]  # noqa: S314
-    assert {"marked room", "breakable obstacle", "hidden obstacle", "inexplicable step"} <= set(texts)
+def test_the_key_is_under_the_picture_or_apart():
+    world = World(("@x.", "..*"))
+    inside = [text.text for text in ET.fromstring(render(world, "robot", key=True)).iter(f"{SVG}text")]  # noqa: S314
+    apart = {meaning: ET.fromstring(sign) for sign, meaning in key_entries("robot")}  # noqa: S314
+    assert {"marked room", "breakable obstacle", "hidden obstacle"} <= set(inside) & set(apart)
+    assert "inexplicable step" in apart
+    assert "hidden obstacle" not in {meaning for _, meaning in key_entries("human")}

@@ -2,7 +2,7 @@
 
 from explicable.first_response.encoding import Semantics, encode
 from explicable.first_response.generator import builtin_maps, generate
-from explicable.first_response.picture_key import render_key
+from explicable.first_response.picture_key import key_entries
 from explicable.first_response.rendering import render
 from explicable.first_response.world import (
     Cell,
@@ -25,9 +25,9 @@ __all__ = [
     "encode",
     "format_map",
     "generate",
+    "key_entries",
     "parse_map",
     "read_map",
     "render",
-    "render_key",
     "shortest_path",
 ]

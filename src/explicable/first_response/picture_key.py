@@ -9,20 +9,20 @@ COLUMN, ROW = 156, 29
 SCALE = 0.5
 
 
-def render_key(view: View = "robot", width: int = 5 * COLUMN) -> str:
-    """Draw the key alone, for a page with several pictures.
+def key_entries(view: View = "robot") -> tuple[tuple[str, str], ...]:
+    """Return the signs, each an SVG element of its own, with their meanings, for a page of pictures.
 
     Examples
     --------
-    >>> "hidden obstacle" in render_key("robot"), "hidden obstacle" in render_key("human")
-    (True, False)
+    >>> [meaning for _, meaning in key_entries("human")][:3]
+    ['robot at the start', 'marked room', 'wall']
     """
-    drawing, height = draw_key(width, view, with_plan=True)
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
-        f'height="{height}" role="img"><title>Key</title>'
-        f'<rect width="{width}" height="{height}" fill="{glyphs.PAPER}"/>{drawing}</svg>\n'
+    side = 30
+    start = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {CELL} {CELL}" width="{side}" height="{side}" '
+        f'role="presentation"><rect width="{CELL}" height="{CELL}" fill="{glyphs.PAPER}"/>'
     )
+    return tuple((f"{start}{sign}</svg>", meaning) for sign, meaning in map_signs(view) + plan_signs())
 
 
 def draw_key(width: int, view: View, *, with_plan: bool) -> tuple[str, int]:
