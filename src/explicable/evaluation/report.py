@@ -116,7 +116,8 @@ def render_report(report: Report) -> str:
     pictures = [panel.svg for scenario in report.scenarios for panel in scenario.panels]
     for svg in [*pictures, *(sign for sign, _ in report.key)]:
         _check_picture(svg)
-    kinds = [panel.kind for panel in report.scenarios[0].panels] if report.scenarios else []
+    first = report.scenarios[0].panels if report.scenarios else ()
+    kinds = [panel.kind for panel in first]
     for scenario in report.scenarios:
         if [panel.kind for panel in scenario.panels] != kinds:
             raise UsageError(f"the plans of {scenario.name!r} are not of the kinds {', '.join(kinds)}")
@@ -126,7 +127,10 @@ def render_report(report: Report) -> str:
     environment.filters.update(score=_score, drawing=Markup)
     source = resources.files("explicable.evaluation") / "report.html.jinja"
     return environment.from_string(source.read_text("utf-8")).render(
-        report=report, paper_ratios=PAPER_RATIOS, paper_scenarios=PAPER_SCENARIOS
+        report=report,
+        plan_titles=[panel.title for panel in first],
+        paper_ratios=PAPER_RATIOS,
+        paper_scenarios=PAPER_SCENARIOS,
     )
 
 
