@@ -275,7 +275,7 @@ class FormulaReader:
                 self._requirements.use(":conditional-effects", start)
                 cursor.take()
                 self._read_effect(scope, parameters, self.read_formula(scope), found)
-            case "increase" if "increase" not in self._vocabulary.predicates:
+            case "increase":
                 if parameters or condition is not None:
                     raise cursor.error("conditional costs are not supported", UnsupportedFeatureError)
                 found.cost.append(self._read_increase(scope))

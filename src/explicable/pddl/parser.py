@@ -103,10 +103,10 @@ def parse_domain(text: str, path: str | Path | None = None, *, warn: Warn | None
     actions: dict[str, ActionSchema] = {}
     for offset in sections.get(":action", ()):
         cursor = _enter(source, offset)
-        action = _read_action(cursor, vocabulary, requirements)
-        if action.name in actions:
-            raise source.error(f"action '{action.name}' is declared twice", offset)
-        actions[action.name] = action
+        schema = cursor.take_name("the action's name")
+        if schema in actions:
+            raise cursor.error_at_taken(f"action '{schema}' is declared twice")
+        actions[schema] = _read_action(schema, cursor, vocabulary, requirements)
     return Domain(
         name, requirements.declared, types, constants, predicates, functions, tuple(actions.values())
     )
@@ -259,8 +259,10 @@ def _read_declared(source: Source, sections: Mapping[str, list[int]]) -> frozens
     return read_requirements(_enter(source, sections[":requirements"][0]))
 
 
-def _read_action(cursor: Cursor, vocabulary: Vocabulary, requirements: Requirements) -> ActionSchema:
-    name = cursor.take_name("the action's name")
+def _read_action(
+    name: str, cursor: Cursor, vocabulary: Vocabulary, requirements: Requirements
+) -> ActionSchema:
+    """Read what follows an action's name."""
     reader = FormulaReader(cursor, vocabulary, requirements)
     parameters: tuple[Parameter, ...] = ()
     scope: dict[str, tuple[str, ...]] = {}

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from explicable.model.problem import Function, Predicate
 from explicable.pddl.source import Source
 
-KEYWORDS = frozenset(("and", "or", "not", "imply", "exists", "forall", "when", "="))
+KEYWORDS = frozenset(("and", "or", "not", "imply", "exists", "forall", "when", "increase", "="))
 
 _ADL = (
     ":strips",
