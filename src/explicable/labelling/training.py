@@ -151,7 +151,7 @@ class Training:
         def objective(weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
             return self._smooth_part(weights, sample_weight)
 
-        return self._run(objective, start, lowest=-math.inf)
+        return minimise(objective, start, max_iterations=self.max_iterations, tolerance=self.tolerance)
 
     def _minimise_l1(self, sample_weight: NDArray[np.float64], start: NDArray[np.float64]) -> Optimum:
         """Write weights as a difference of two non-negative parts: then the L1 penalty is smooth."""
@@ -163,31 +163,61 @@ class Training:
             return value, np.concatenate([self.l1 + gradient, self.l1 - gradient])
 
         parts = np.concatenate([np.maximum(start, 0.0), np.maximum(-start, 0.0)])
-        optimum = self._run(objective, parts, lowest=0.0)
+        optimum = minimise(
+            objective, parts, lowest=0.0, max_iterations=self.max_iterations, tolerance=self.tolerance
+        )
         weights = optimum.weights[:size] - optimum.weights[size:]
         return Optimum(weights, optimum.objective, optimum.num_iterations, optimum.converged)
 
-    def _run(self, objective: Objective, start: NDArray[np.float64], lowest: float) -> Optimum:
-        from scipy.optimize import Bounds, minimize
-        from threadpoolctl import threadpool_limits
 
-        # One thread: L-BFGS works on vectors far too short to share, and sums must not depend on the machine.
-        with threadpool_limits(1, user_api="blas"):
-            result = minimize(
-                objective,
-                start,
-                jac=True,
-                method="L-BFGS-B",
-                bounds=Bounds(np.full(len(start), lowest)) if lowest > -math.inf else None,
-                options={
-                    "maxiter": self.max_iterations,
-                    "maxfun": 2 * self.max_iterations + 20,
-                    "ftol": self.tolerance,
-                    "gtol": 0.0,
-                },
-            )
-        # Status 2: no step improves the objective any more; floating point allows no better.
-        return Optimum(result.x, float(result.fun), int(result.nit), result.status in {0, 2})
+def minimise(
+    objective: Objective,
+    start: NDArray[np.float64],
+    *,
+    lowest: float = -math.inf,
+    max_iterations: int = 1000,
+    tolerance: float = 1e-10,
+) -> Optimum:
+    """Minimise a smooth function by L-BFGS-B, deterministically.
+
+    Parameters
+    ----------
+    objective
+        Returns value and gradient.
+    start
+        Where to begin.
+    lowest
+        Lower bound of every variable.
+    max_iterations, tolerance
+        When to stop: after so many iterations, or when one improves the value by less than this fraction.
+
+    Examples
+    --------
+    >>> minimise(lambda x: (float((x - 3) @ (x - 3)), 2 * (x - 3)), np.zeros(2)).weights.round(6).tolist()
+    [3.0, 3.0]
+    """
+    from scipy.optimize import Bounds, minimize
+    from threadpoolctl import threadpool_limits
+
+    if len(start) == 0:
+        return Optimum(start, objective(start)[0], 0, True)
+    # One thread: L-BFGS works on vectors far too short to share, and sums must not depend on the machine.
+    with threadpool_limits(1, user_api="blas"):
+        result = minimize(
+            objective,
+            start,
+            jac=True,
+            method="L-BFGS-B",
+            bounds=Bounds(np.full(len(start), lowest)) if lowest > -math.inf else None,
+            options={
+                "maxiter": max_iterations,
+                "maxfun": 2 * max_iterations + 20,
+                "ftol": tolerance,
+                "gtol": 0.0,
+            },
+        )
+    # Status 2: no step improves the objective any more; floating point allows no better.
+    return Optimum(result.x, float(result.fun), int(result.nit), result.status in {0, 2})
 
 
 def sequence_loss(
