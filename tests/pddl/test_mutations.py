@@ -1,4 +1,4 @@
-"""Damaged files: each gives a model, which then survives writing and reading, or an error of ours."""
+"""Damaged files: each gives a task, whose model survives writing and reading, or an error of ours."""
 
 import random
 import re
@@ -6,6 +6,7 @@ import re
 import pytest
 
 from explicable.errors import InputError
+from explicable.model.grounding import ground
 from explicable.pddl import format_domain, format_problem, parse_domain, parse_problem
 
 DOMAIN = """\
@@ -111,6 +112,7 @@ def survives(rng):
         assert problem.column >= 1
         return False
     assert read(format_domain(problem.domain), format_problem(problem)) == problem
+    assert ground(problem).num_facts >= 0
     return True
 
 
@@ -120,10 +122,10 @@ def check(num_files, seed):
     assert 0.05 < num_tasks / num_files < 0.6  # else the damage is too hard or too soft to be a test
 
 
-def test_damaged_files_give_a_model_or_an_error():
+def test_damaged_files_give_a_task_or_an_error():
     check(1000, seed=1)
 
 
 @pytest.mark.slow
-def test_a_hundred_thousand_damaged_files_give_a_model_or_an_error():
+def test_a_hundred_thousand_damaged_files_give_a_task_or_an_error():
     check(100_000, seed=2)
