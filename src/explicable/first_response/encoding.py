@@ -4,10 +4,11 @@ The robot's problem holds the map as it is, the person's the map as they believe
 the same in both. They differ in one fact for each hidden obstacle: the person takes its cell to be clear.
 """
 
+from dataclasses import replace
 from typing import Literal, get_args
 
 from explicable.errors import UsageError
-from explicable.first_response.world import View, World, cell_name
+from explicable.first_response.world import Cell, View, World, cell_name
 from explicable.model.problem import (
     ActionSchema,
     And,
@@ -68,8 +69,18 @@ def encode(world: World, semantics: Semantics = "persistent") -> TeamProblem:
     """
     if semantics not in get_args(Semantics):
         raise UsageError(f"semantics must be one of {', '.join(get_args(Semantics))}, not {semantics!r}")
-    domain = first_response_domain(semantics)
-    return TeamProblem(robot=_problem(world, domain, "robot"), human=_problem(world, domain, "human"))
+    names = _cell_names(world)
+    facts = _shared_facts(world, names)
+    problem = Problem(
+        name="first-response-map",
+        domain=first_response_domain(semantics),
+        objects=_objects(world, names),
+        init=(*facts, *_clear_facts(world, names, "robot")),
+        goal=And(tuple(Atom("visited", (names[cell],)) for cell in world.marks)),
+        values={},
+    )
+    believed = replace(problem, init=(*facts, *_clear_facts(world, names, "human")))
+    return TeamProblem(robot=problem, human=believed)
 
 
 def first_response_domain(semantics: Semantics = "persistent") -> Domain:
@@ -197,35 +208,37 @@ def _atom(words: list[str]) -> Atom:
     return Atom(words[0], tuple(words[1:]))
 
 
-def _problem(world: World, domain: Domain, view: View) -> Problem:
+def _cell_names(world: World) -> dict[Cell, str]:
     walls = world.walls
-    names = {
+    return {
         (row, column): cell_name((row, column))
         for row in range(world.height)
         for column in range(world.width)
         if (row, column) not in walls
     }
-    rooms = [names[cell] for cell in world.marks]
+
+
+def _objects(world: World, names: dict[Cell, str]) -> dict[str, tuple[str, ...]]:
     objects = {PERSON: ("human",)}
     objects.update((robot_name(index), ("robot",)) for index in range(len(world.robots)))
-    objects.update((name, ("cell",)) for name in names.values())
-    objects.update((room, ("room",)) for room in rooms)
+    objects.update(dict.fromkeys(names.values(), ("cell",)))
+    objects.update((names[cell], ("room",)) for cell in world.marks)
+    return objects
 
-    init: list[GroundAtom] = []
-    init += [("at", robot_name(index), names[cell]) for index, cell in enumerate(world.robots)]
-    init += [("unvisited", room) for room in rooms]
-    not_clear = world.blocked(view) | world.obstacles
-    init += [("obstacle", name) for cell, name in names.items() if cell in world.obstacles]
-    init += [("clear", name) for cell, name in names.items() if cell not in not_clear]
+
+def _shared_facts(world: World, names: dict[Cell, str]) -> list[GroundAtom]:
+    """Return the initial facts that robot and person agree on."""
+    facts: list[GroundAtom] = []
+    facts += [("at", robot_name(index), names[cell]) for index, cell in enumerate(world.robots)]
+    facts += [("unvisited", names[cell]) for cell in world.marks]
+    facts += [("obstacle", names[cell]) for cell in sorted(world.obstacles)]
     for (row, column), name in names.items():
         for cell in ((row, column + 1), (row + 1, column)):
             if cell in names:
-                init += (("adjacent", name, names[cell]), ("adjacent", names[cell], name))
-    return Problem(
-        name="first-response-map",
-        domain=domain,
-        objects=objects,
-        init=tuple(init),
-        goal=And(tuple(Atom("visited", (room,)) for room in rooms)),
-        values={},
-    )
+                facts += (("adjacent", name, names[cell]), ("adjacent", names[cell], name))
+    return facts
+
+
+def _clear_facts(world: World, names: dict[Cell, str], view: View) -> list[GroundAtom]:
+    not_clear = world.blocked(view) | world.obstacles
+    return [("clear", name) for cell, name in names.items() if cell not in not_clear]

@@ -60,7 +60,7 @@ def plan_signs() -> list[tuple[str, str]]:
     return [
         (_arrow(1, dashed=False), "explicable step"),
         (_arrow(0, dashed=True), "inexplicable step"),
-        (glyphs.command_cells([(0, 0)]) + glyphs.command_label(4, 14, "2A", size=14), "2nd command: go to A"),
+        (glyphs.command_cells([(0, 0)]) + glyphs.command_label(4, 14, "2A", size=14), "2nd command, to A"),
         (_room() + _in_middle(glyphs.room_badge("A", 1)), "room A, visited first"),
     ]
 
