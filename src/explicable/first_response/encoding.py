@@ -219,7 +219,7 @@ def _cell_names(world: World) -> dict[Cell, str]:
 
 
 def _objects(world: World, names: dict[Cell, str]) -> dict[str, tuple[str, ...]]:
-    objects = {PERSON: ("human",)}
+    objects: dict[str, tuple[str, ...]] = {PERSON: ("human",)}
     objects.update((robot_name(index), ("robot",)) for index in range(len(world.robots)))
     objects.update(dict.fromkeys(names.values(), ("cell",)))
     objects.update((names[cell], ("room",)) for cell in world.marks)
