@@ -97,16 +97,16 @@ def first_response_domain(semantics: Semantics = "persistent") -> Domain:
     """
     exclusive = semantics == "exclusive"
     predicates = [
-        ("at", "robot", "cell"),
-        ("adjacent", "cell", "cell"),
-        ("clear", "cell"),
-        ("obstacle", "cell"),
-        ("unvisited", "room"),
-        ("visited", "room"),
-        ("commanded", "room"),
+        Predicate("at", (_ROBOT, _CELL)),
+        Predicate("adjacent", (_FROM, _TO)),
+        Predicate("clear", (_CELL,)),
+        Predicate("obstacle", (_CELL,)),
+        Predicate("unvisited", (_ROOM,)),
+        Predicate("visited", (_ROOM,)),
+        Predicate("commanded", (_ROOM,)),
     ]
     if exclusive:
-        predicates.append(("under-command",))
+        predicates.append(Predicate("under-command", ()))
     return Domain(
         name=f"first-response-{semantics}",
         requirements=frozenset({":strips", ":typing"} | ({":conditional-effects"} if exclusive else set())),
@@ -118,7 +118,7 @@ def first_response_domain(semantics: Semantics = "persistent") -> Domain:
             "room": ("cell",),
         },
         constants={},
-        predicates=tuple(_predicate(name, *types) for name, *types in predicates),
+        predicates=tuple(predicates),
         functions=(),
         actions=_exclusive_actions() if exclusive else _persistent_actions(),
     )
@@ -126,6 +126,7 @@ def first_response_domain(semantics: Semantics = "persistent") -> Domain:
 
 _HUMAN = Parameter("?h", ("human",))
 _ROBOT = Parameter("?r", ("robot",))
+_CELL = Parameter("?c", ("cell",))
 _ROOM = Parameter("?c", ("room",))
 _FROM = Parameter("?from", ("cell",))
 _TO = Parameter("?to", ("cell",))
@@ -182,11 +183,6 @@ def _motions(*conditions: str) -> tuple[ActionSchema, ...]:
         effects=_effects(*there, "clear ?to", "not obstacle ?to"),
     )
     return move, remove
-
-
-def _predicate(name: str, *types: str) -> Predicate:
-    parameters = (Parameter(f"?{kind[0]}{place}", (kind,)) for place, kind in enumerate(types, 1))
-    return Predicate(name, tuple(parameters))
 
 
 def _all(*atoms: str) -> And:
