@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test test-slow check clean
+.PHONY: demo test test-slow check bench clean
 
 $(STAMP): pyproject.toml constraints.txt CMakeLists.txt $(shell find cpp -type f)
 	PYTHON=$(PYTHON) sh tools/setup.sh $(VENV)
@@ -25,5 +25,17 @@ test: check
 test-slow: $(STAMP)
 	$(BIN)/pytest -n 2 -m slow
 
+# The peers get an environment of their own; one that can't be installed is listed as absent in the page.
+PEERS := .venv-bench
+RUNS ?= 5
+
+$(PEERS)/.installed: benchmarks/peers.txt
+	$(PYTHON) -m venv $(PEERS)
+	while read -r peer; do $(PEERS)/bin/pip install -q --disable-pip-version-check -c constraints.txt "$$peer" || echo "not installed: $$peer" >&2; done <$<
+	touch $@
+
+bench: $(STAMP) $(PEERS)/.installed
+	$(BIN)/python benchmarks/run.py --runs $(RUNS) $(if $(TASKS),--tasks $(TASKS))
+
 clean:
-	rm -rf $(VENV) build demo
+	rm -rf $(VENV) $(PEERS) build demo
