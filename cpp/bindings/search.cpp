@@ -1,3 +1,173 @@
-#include "bindings/bindings.hpp"
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
-void bind_search(nb::module_&) {}
+#include <cstring>
+#include <iterator>
+#include <stdexcept>
+
+#include "bindings/bindings.hpp"
+#include "bindings/core_task.hpp"
+#include "search/counting_scorer.hpp"
+#include "search/heuristics.hpp"
+#include "search/relaxed_plan.hpp"
+#include "search/solve.hpp"
+
+namespace {
+
+using namespace explicable;
+
+// Copied, since bytes need not be aligned; refuses values that no variable of this task has.
+State state_of(const CoreTask& task, const nb::bytes& bytes) {
+    std::vector<Word> words(task.packer.num_words());
+    if (bytes.size() != words.size() * sizeof(Word)) throw std::invalid_argument("not a state of this task");
+    if (!words.empty()) std::memcpy(words.data(), bytes.c_str(), bytes.size());
+    State state = task.packer.unpack(words.data());
+    for (VariableId variable = 0; variable < task.num_variables(); ++variable) {
+        if (state.values[variable] > std::ssize(task.variable_facts[variable])) {
+            throw std::invalid_argument("not a state of this task");
+        }
+    }
+    return state;
+}
+
+State initial_state(const Task& task) {
+    State state{std::vector<std::int32_t>(task.num_variables(), 0)};
+    for (const FactId fact : task.initial) state.values[task.fact_variable[fact]] = task.fact_value[fact];
+    return state;
+}
+
+void check_goal(const Task& task, const std::vector<FactId>& goal) {
+    for (const FactId fact : goal) {
+        if (fact < 0 || fact >= task.num_facts()) throw nb::index_error("no such fact");
+    }
+}
+
+Preferred preferred_of(const std::string& name) {
+    if (name == "none") return Preferred::none;
+    if (name == "helpful") return Preferred::helpful;
+    if (name == "relaxed plan") return Preferred::relaxed_plan;
+    throw std::invalid_argument("unknown kind of preferred operators: " + name);
+}
+
+Closing closing_of(const std::string& name) {
+    if (name == "state") return Closing::state;
+    if (name == "context") return Closing::context;
+    throw std::invalid_argument("unknown way of closing nodes: " + name);
+}
+
+void check_scorer(const Task& task, const PathScorer* scorer) {
+    const auto* counting = dynamic_cast<const CountingScorer*>(scorer);
+    if (counting && counting->num_operators() != static_cast<std::size_t>(task.num_operators())) {
+        throw std::invalid_argument("the scorer belongs to another task");
+    }
+}
+
+// Asks for pending signals (Ctrl-C); a search that they end still hands over what it has.
+bool has_been_interrupted() {
+    const nb::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() == 0) return false;
+    PyErr_Clear();
+    return true;
+}
+
+SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initial,
+                    const std::vector<FactId>& goal, const std::string& algorithm,
+                    const std::string& heuristic, const std::string& preferred, double weight, std::uint64_t seed,
+                    const PathScorer* scorer, const std::string& closing, double alpha, bool ratio,
+                    double time_limit_s, std::optional<std::size_t> memory_limit_bytes,
+                    std::optional<std::int64_t> max_evaluations) {
+    check_scorer(task, scorer);
+    SearchOptions options;
+    options.algorithm = algorithm;
+    options.heuristic = heuristic;
+    options.preferred = preferred_of(preferred);
+    options.weight = weight;
+    options.seed = seed;
+    options.labelled = {scorer, closing_of(closing)};
+    options.alpha = alpha;
+    options.ratio = ratio;
+    Limits limits;
+    limits.time_s = time_limit_s;
+    if (memory_limit_bytes) limits.memory_bytes = *memory_limit_bytes;
+    if (max_evaluations) limits.evaluations = *max_evaluations;
+    State start = initial ? state_of(task, *initial) : initial_state(task);
+    check_goal(task, goal);
+
+    const nb::gil_scoped_release released;
+    Monitor monitor(limits, has_been_interrupted);
+    const SuccessorGenerator successors(task);
+    const Question question{task, successors, std::move(start), goal};
+    return solve(question, options, monitor);
+}
+
+std::vector<OperatorId> applicable(const CoreTask& task, const nb::bytes& state) {
+    std::vector<OperatorId> operators;
+    SuccessorGenerator(task).applicable(state_of(task, state), operators);
+    return operators;
+}
+
+using OrderedPlan = std::pair<std::int32_t, std::vector<OperatorId>>;
+
+std::optional<OrderedPlan> relaxed_plan(const CoreTask& task, const nb::bytes& state, const std::vector<FactId>& goal,
+                                        bool unit_costs) {
+    check_goal(task, goal);
+    RelaxedPlanner planner(task, goal, unit_costs ? SupporterCost::unit : SupporterCost::plus_one);
+    if (!planner.compute(state_of(task, state))) return std::nullopt;
+    const auto plan = planner.ordered_plan();
+    return OrderedPlan{planner.h_add(), {plan.begin(), plan.end()}};
+}
+
+std::vector<OperatorId> helpful(const CoreTask& task, const nb::bytes& bytes, const std::vector<FactId>& goal) {
+    check_goal(task, goal);
+    const State state = state_of(task, bytes);
+    std::vector<OperatorId> operators, result;
+    SuccessorGenerator(task).applicable(state, operators);
+    RelaxedPlanner planner(task, goal, SupporterCost::unit);
+    if (planner.compute(state)) planner.helpful(operators, result);
+    return result;
+}
+
+double heuristic_value(const CoreTask& task, const nb::bytes& state, const std::vector<FactId>& goal,
+                       const std::string& name) {
+    check_goal(task, goal);
+    const SuccessorGenerator successors(task);
+    const Question question{task, successors, state_of(task, state), goal};
+    const auto heuristic = make_admissible(question, name);
+    if (!heuristic) throw std::invalid_argument("unknown heuristic: " + name);
+    return heuristic->evaluate(question.initial);
+}
+
+std::string outcome_name(const SearchAnswer& answer) {
+    constexpr const char* names[] = {"solved", "unsolvable", "limit reached", "interrupted"};
+    return names[static_cast<int>(answer.outcome)];
+}
+
+}  // namespace
+
+void bind_search(nb::module_& module) {
+    using namespace nb::literals;
+    nb::class_<PathScorer>(module, "PathScorer", "Scores the steps of a path and a relaxed plan in labelled search.");
+    nb::class_<CountingScorer, PathScorer>(module, "CountingScorer", "Each operator counts with a fixed weight.")
+        .def(nb::init<std::vector<double>>(), "weights"_a);
+    nb::class_<SearchAnswer>(module, "SearchAnswer", "What a search found out.")
+        .def_prop_ro("outcome", &outcome_name)
+        .def_prop_ro("stop", [](const SearchAnswer& answer) { return std::string(name_of(answer.stop)); })
+        .def_ro("plan", &SearchAnswer::plan)
+        .def_ro("cost", &SearchAnswer::cost)
+        .def_ro("objective", &SearchAnswer::objective)
+        .def_ro("lower_bound", &SearchAnswer::lower_bound)
+        .def_ro("is_optimal", &SearchAnswer::is_optimal)
+        .def_ro("evaluations", &SearchAnswer::evaluations)
+        .def_ro("expansions", &SearchAnswer::expansions)
+        .def_ro("memory_bytes", &SearchAnswer::memory_bytes)
+        .def_ro("search_s", &SearchAnswer::search_s);
+    module.def("search", &search, "task"_a, "initial"_a.none(), "goal"_a, nb::kw_only(), "algorithm"_a,
+               "heuristic"_a, "preferred"_a, "weight"_a, "seed"_a, "scorer"_a.none(), "closing"_a, "alpha"_a, "ratio"_a,
+               "time_limit_s"_a, "memory_limit_bytes"_a.none(), "max_evaluations"_a.none());
+    module.def("applicable_operators", &applicable, "task"_a, "state"_a);
+    module.def("relaxed_plan", &relaxed_plan, "task"_a, "state"_a, "goal"_a, "unit_costs"_a = true);
+    module.def("helpful_operators", &helpful, "task"_a, "state"_a, "goal"_a);
+    module.def("heuristic_value", &heuristic_value, "task"_a, "state"_a, "goal"_a, "name"_a);
+}

@@ -73,6 +73,68 @@ def ground(
 
 # --- search (cpp/bindings/search.cpp) ---
 
+class PathScorer:
+    """Scores the steps of a path and a relaxed plan in labelled search."""
+
+class CountingScorer(PathScorer):
+    """Each operator counts with a fixed weight."""
+
+    def __init__(self, weights: Sequence[float]) -> None: ...
+
+class SearchAnswer:
+    """What a search found out."""
+
+    @property
+    def outcome(self) -> str: ...
+    @property
+    def stop(self) -> str: ...
+    @property
+    def plan(self) -> list[int] | None: ...
+    @property
+    def cost(self) -> int: ...
+    @property
+    def objective(self) -> float: ...
+    @property
+    def lower_bound(self) -> float: ...
+    @property
+    def is_optimal(self) -> bool: ...
+    @property
+    def evaluations(self) -> int: ...
+    @property
+    def expansions(self) -> int: ...
+    @property
+    def memory_bytes(self) -> int: ...
+    @property
+    def search_s(self) -> float: ...
+
+def search(
+    task: Task,
+    initial: bytes | None,
+    goal: Sequence[int],
+    *,
+    algorithm: str,
+    heuristic: str,
+    preferred: str,
+    weight: float,
+    seed: int,
+    scorer: PathScorer | None,
+    closing: str,
+    alpha: float,
+    ratio: bool,
+    time_limit_s: float,
+    memory_limit_bytes: int | None,
+    max_evaluations: int | None,
+) -> SearchAnswer: ...
+def applicable_operators(task: Task, state: bytes) -> list[int]: ...
+def relaxed_plan(
+    task: Task, state: bytes, goal: Sequence[int], unit_costs: bool = True
+) -> tuple[int, list[int]] | None:
+    """h_add and a relaxed plan in an order that can be executed; None for a dead end."""
+
+def helpful_operators(task: Task, state: bytes, goal: Sequence[int]) -> list[int]: ...
+def heuristic_value(task: Task, state: bytes, goal: Sequence[int], name: str) -> float:
+    """Give a lower bound by "blind", "hmax" or "lmcut"; infinite for a dead end."""
+
 # --- labelling (cpp/bindings/labelling.cpp) ---
 
 def state_scores(

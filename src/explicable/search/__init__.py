@@ -1,1 +1,6 @@
 """Heuristic search over grounded tasks."""
+
+from explicable.search.forward import search
+from explicable.search.result import Outcome, SearchResult
+
+__all__ = ["Outcome", "SearchResult", "search"]

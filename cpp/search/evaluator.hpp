@@ -1,0 +1,54 @@
+// The FF heuristic of a node, explicable or plain, with its preferred operators.
+#pragma once
+
+#include <iterator>
+#include <vector>
+
+#include "search/engine.hpp"
+#include "search/node_store.hpp"
+#include "search/open_list.hpp"
+#include "search/relaxed_plan.hpp"
+
+namespace explicable {
+
+enum class Preferred {
+    none,
+    helpful,      // applicable operators that add what the relaxed plan achieves first (Hoffmann & Nebel 2001)
+    relaxed_plan  // applicable operators of the relaxed plan (Fast Downward)
+};
+
+struct LabelledOptions {
+    const PathScorer* scorer = nullptr;
+    Closing closing = Closing::state;
+};
+
+class Evaluator {
+public:
+    Evaluator(const Question& question, const PathScorer* scorer, SupporterCost supporter_cost = SupporterCost::unit)
+        : planner_(question.task, question.goal, supporter_cost),
+          scorer_(scorer),
+          real_costs_(supporter_cost != SupporterCost::unit) {}
+
+    // |rp|, or with a scorer (1 + c) |rp| (Eq. 4 of the paper), c the number of inexplicable steps of path # rp.
+    double evaluate(const NodeStore& nodes, NodeId node, const State& state) {
+        if (!planner_.compute(state)) return dead_end;
+        if (!scorer_) return static_cast<double>(real_costs_ ? planner_.plan_cost() : std::ssize(planner_.plan()));
+        const auto relaxed_plan = planner_.ordered_plan();
+        return (1.0 + nodes.count(node, state, relaxed_plan)) * static_cast<double>(relaxed_plan.size());
+    }
+    // Of the state evaluated last.
+    void preferred(Preferred kind, const std::vector<OperatorId>& applicable, std::vector<OperatorId>& result) const {
+        result.clear();
+        if (kind == Preferred::helpful) planner_.helpful(applicable, result);
+        if (kind == Preferred::relaxed_plan) planner_.in_plan(applicable, result);
+    }
+    // In labelled search best-first search orders by f = g + h, as the paper does; plain greedy search by h alone.
+    Key key(double cost, double h) const { return scorer_ ? Key{cost + h, h} : Key{h, 0.0}; }
+
+private:
+    RelaxedPlanner planner_;
+    const PathScorer* scorer_;
+    bool real_costs_;
+};
+
+}  // namespace explicable

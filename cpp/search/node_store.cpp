@@ -1,0 +1,124 @@
+#include "search/node_store.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <new>
+
+#include "task/successor.hpp"
+
+namespace explicable {
+
+namespace {
+
+constexpr std::size_t alignment = alignof(std::max_align_t);
+
+std::size_t context_width(const PathScorer* scorer) {
+    return scorer ? (std::max<std::size_t>(scorer->context_size(), 1) + alignment - 1) / alignment * alignment : alignment;
+}
+
+}  // namespace
+
+NodeStore::NodeStore(const Task& task, const PathScorer* scorer, Closing closing)
+    : task_(task),
+      scorer_(scorer),
+      closing_(scorer ? closing : Closing::state),
+      packer_(task),
+      registry_(packer_.num_words() + (closing_ == Closing::context)),
+      contexts_(context_width(scorer)),
+      words_(packer_.num_words() + 1),
+      context_(context_width(scorer)) {}
+
+NodeId NodeStore::add_root(const State& state, const std::byte* context) {
+    packer_.pack(state, words_.data());
+    after_ = state;
+    if (scorer_ && context) std::memcpy(context_.data(), context, scorer_->context_size());
+    if (scorer_ && !context) scorer_->root(state, context_.data());
+    return insert(0, -1, -1).node;
+}
+
+NodeStore::Arrival NodeStore::add(NodeId parent, OperatorId step) {
+    const Word* from = words(parent);
+    apply(task_, packer_, step, from, words_.data());
+    if (scorer_) {
+        unpack(from, before_);
+        unpack(words_.data(), after_);
+        scorer_->extend(contexts_.row(parent), step, before_, after_, context_.data());
+    }
+    return insert(nodes_.row(parent)->cost + task_.cost[step], parent, step);
+}
+
+// Files what words_, and in labelled search context_ and after_, describe.
+NodeStore::Arrival NodeStore::insert(std::int64_t cost, NodeId parent, OperatorId step) {
+    if (nodes_.size() >= static_cast<std::size_t>(std::numeric_limits<NodeId>::max())) throw std::bad_alloc();
+    if (closing_ == Closing::context) words_[packer_.num_words()] = scorer_->closing_key(context_.data());
+    const auto [number, is_new] = registry_.insert(words_.data());
+    if (closing_ == Closing::context) return insert_rival(number, is_new, cost, parent, step);
+    if (is_new) append(cost, parent, step);
+    return {number, is_new, !is_new && cost < nodes_.row(number)->cost};
+}
+
+NodeStore::Arrival NodeStore::insert_rival(StateId state, bool is_new, std::int64_t cost, NodeId parent,
+                                           OperatorId step) {
+    if (is_new) first_rival_.push_back(-1);
+    const PathScore score = scorer_->score(context_.data(), after_, {});
+    // A longer path dilutes a ratio of inexplicable steps, so a shorter one of lower cost does not dominate it.
+    for (NodeId other = first_rival_[state]; other >= 0; other = rivals_[other].next) {
+        const Rival& rival = rivals_[other];
+        if (nodes_.row(other)->cost <= cost && rival.count <= score.num_inexplicable &&
+            rival.num_steps >= score.num_steps) {
+            return {other, false, false};
+        }
+    }
+    NodeId* link = &first_rival_[state];
+    while (*link >= 0) {
+        Rival& rival = rivals_[*link];
+        if (cost <= nodes_.row(*link)->cost && score.num_inexplicable <= rival.count &&
+            score.num_steps >= rival.num_steps) {
+            rival.dominated = true;
+            *link = rival.next;
+        } else {
+            link = &rival.next;
+        }
+    }
+    const NodeId node = append(cost, parent, step);
+    rivals_.push_back({state, first_rival_[state], score.num_inexplicable, score.num_steps, false});
+    first_rival_[state] = node;
+    return {node, true, false};
+}
+
+NodeId NodeStore::append(std::int64_t cost, NodeId parent, OperatorId step) {
+    const auto node = static_cast<NodeId>(nodes_.size());
+    *nodes_.append() = {cost, parent, step};
+    if (scorer_) std::memcpy(contexts_.append(), context_.data(), context_.size());
+    return node;
+}
+
+void NodeStore::reparent(NodeId node, NodeId parent, OperatorId step) {
+    *nodes_.row(node) = {nodes_.row(parent)->cost + task_.cost[step], parent, step};
+    if (scorer_) std::memcpy(contexts_.row(node), context_.data(), context_.size());
+}
+
+void NodeStore::unpack(const Word* words, State& state) const {
+    const VariableId num_variables = task_.num_variables();
+    state.values.resize(num_variables);
+    for (VariableId variable = 0; variable < num_variables; ++variable) {
+        state.values[variable] = packer_.get(words, variable);
+    }
+}
+
+void NodeStore::state(NodeId node, State& state) const { unpack(words(node), state); }
+
+std::vector<OperatorId> NodeStore::path(NodeId node) const {
+    std::vector<OperatorId> steps;
+    for (; nodes_.row(node)->parent >= 0; node = nodes_.row(node)->parent) steps.push_back(nodes_.row(node)->step);
+    std::reverse(steps.begin(), steps.end());
+    return steps;
+}
+
+std::size_t NodeStore::memory_bytes() const {
+    return registry_.memory_bytes() + nodes_.memory_bytes() + contexts_.memory_bytes() +
+           rivals_.capacity() * sizeof(Rival) + first_rival_.capacity() * sizeof(NodeId);
+}
+
+}  // namespace explicable

@@ -1,0 +1,89 @@
+// The nodes of a search: packed states without duplicates, back-pointers and, in labelled search, scorer contexts.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "search/path_scorer.hpp"
+#include "search/rows.hpp"
+#include "task/packed_state.hpp"
+#include "task/state_registry.hpp"
+
+namespace explicable {
+
+using NodeId = std::int32_t;
+
+// When are two nodes the same? With `state`, there is one node a state. With `context`, nodes must also agree in what the
+// scorer still needs to know of the path; among such, those survive that are not dominated in (cost, inexplicable steps).
+enum class Closing { state, context };
+
+class NodeStore {
+public:
+    NodeStore(const Task& task, const PathScorer* scorer, Closing closing);
+
+    NodeId add_root(const State& state, const std::byte* context = nullptr);
+
+    struct Arrival {
+        NodeId node;
+        bool is_new;
+        bool is_cheaper;  // not new, but reached at lower cost than ever; see reparent()
+    };
+    Arrival add(NodeId parent, OperatorId step);
+    void reparent(NodeId node, NodeId parent, OperatorId step);
+
+    void state(NodeId node, State& state) const;
+    std::int64_t cost(NodeId node) const { return nodes_.row(node)->cost; }
+    const std::byte* context(NodeId node) const { return contexts_.row(node); }
+    bool is_dominated(NodeId node) const { return closing_ == Closing::context && rivals_[node].dominated; }
+    std::vector<OperatorId> path(NodeId node) const;
+    std::int32_t size() const { return static_cast<std::int32_t>(nodes_.size()); }
+    std::size_t memory_bytes() const;
+
+    // Inexplicable steps among the path to `node` and `relaxed_plan` from it.
+    double count(NodeId node, const State& state, std::span<const OperatorId> relaxed_plan) const {
+        return scorer_->score(contexts_.row(node), state, relaxed_plan).num_inexplicable;
+    }
+    // Of the path to `node` alone; kept with context closing only.
+    double path_count(NodeId node) const { return rivals_[node].count; }
+    int path_steps(NodeId node) const { return rivals_[node].num_steps; }
+
+private:
+    struct Node {
+        std::int64_t cost;
+        NodeId parent;
+        OperatorId step;
+    };
+    // Context closing only: nodes that agree in state and closing key are rivals, and form a list.
+    struct Rival {
+        StateId state;
+        NodeId next;
+        double count;
+        std::int32_t num_steps;
+        bool dominated;
+    };
+
+    const Task& task_;
+    const PathScorer* scorer_;
+    Closing closing_;
+    StatePacker packer_;
+    StateRegistry registry_;  // of states, or of states with closing keys
+    Rows<Node> nodes_;
+    Rows<std::byte> contexts_;
+    std::vector<Rival> rivals_;
+    std::vector<NodeId> first_rival_;  // by number in the registry
+    std::vector<Word> words_;
+    std::vector<std::byte> context_;
+    State before_, after_;
+
+    const Word* words(NodeId node) const {
+        return registry_[closing_ == Closing::context ? rivals_[node].state : node];
+    }
+    void unpack(const Word* words, State& state) const;
+    NodeId append(std::int64_t cost, NodeId parent, OperatorId step);
+    Arrival insert(std::int64_t cost, NodeId parent, OperatorId step);
+    Arrival insert_rival(StateId state, bool is_new, std::int64_t cost, NodeId parent, OperatorId step);
+};
+
+}  // namespace explicable

@@ -1,0 +1,171 @@
+#include "search/relaxed_plan.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace explicable {
+
+namespace {
+
+std::int32_t saturated(std::int32_t a, std::int32_t b) { return std::min(a + b, infinite_cost); }
+
+}  // namespace
+
+RelaxedPlanner::RelaxedPlanner(const Task& task, std::span<const FactId> goal, SupporterCost supporter_cost)
+    : task_(task),
+      relaxed_(task, supporter_cost),
+      goal_(goal.begin(), goal.end()),
+      is_goal_(task.num_facts(), 0),
+      initial_counters_(relaxed_.size()),
+      counters_(relaxed_.size()),
+      fact_cost_(task.num_facts()),
+      supporter_(task.num_facts()),
+      fact_seen_(task.num_facts(), 0),
+      fact_first_(task.num_facts(), 0),
+      piece_seen_(relaxed_.size(), 0),
+      operator_seen_(task.num_operators(), 0),
+      several_pieces_(task.effect_conditions.size() > 0) {
+    for (const FactId fact : goal_) {
+        num_goals_ += !is_goal_[fact];
+        is_goal_[fact] = 1;
+    }
+    for (std::int32_t piece = 0; piece < relaxed_.size(); ++piece) {
+        initial_counters_[piece] = {static_cast<std::int32_t>(relaxed_.preconditions[piece].size()), relaxed_.cost[piece]};
+    }
+}
+
+bool RelaxedPlanner::compute(const State& state) {
+    if (!explore(state)) return false;
+    extract();
+    return true;
+}
+
+// Generalised Dijkstra from the facts of the state, until all goals are reached at their final cost.
+bool RelaxedPlanner::explore(const State& state) {
+    queue_.clear();
+    std::fill(fact_cost_.begin(), fact_cost_.end(), infinite_cost + 1);
+    if (!counters_.empty()) {
+        std::memcpy(counters_.data(), initial_counters_.data(), counters_.size() * sizeof(Counter));
+    }
+    for (VariableId variable = 0; variable < task_.num_variables(); ++variable) {
+        if (const std::int32_t value = state.values[variable]) {
+            reach(task_.variable_facts[variable][value - 1], 0, -1);
+        }
+    }
+    for (const std::int32_t piece : relaxed_.without_preconditions) {
+        for (const FactId fact : relaxed_.adds[piece]) reach(fact, relaxed_.cost[piece], piece);
+    }
+    std::int32_t missing = num_goals_;
+    while (missing > 0 && !queue_.empty()) {
+        const auto [cost, fact] = queue_.pop();
+        if (cost > fact_cost_[fact]) continue;  // reached more cheaply since
+        if (is_goal_[fact] && --missing == 0) break;
+        for (const std::int32_t piece : relaxed_.precondition_of[fact]) {
+            Counter& counter = counters_[piece];
+            counter.cost = saturated(counter.cost, cost);
+            if (--counter.unsatisfied > 0) continue;
+            for (const FactId added : relaxed_.adds[piece]) reach(added, counter.cost, piece);
+        }
+    }
+    return missing == 0;
+}
+
+void RelaxedPlanner::extract() {
+    if (++round_ == 0) {  // the counter of rounds has wrapped: forget all marks
+        for (auto* marks : {&fact_seen_, &fact_first_, &piece_seen_, &operator_seen_}) {
+            std::fill(marks->begin(), marks->end(), 0);
+        }
+        round_ = 1;
+    }
+    plan_.clear();
+    pieces_.clear();
+    h_add_ = 0;
+    for (const FactId fact : goal_) {
+        h_add_ = saturated(h_add_, fact_cost_[fact]);
+        if (fact_seen_[fact] != round_) extract_for(fact);
+    }
+    if (several_pieces_) ordered_plan();
+}
+
+// Depth first from a goal, so that whatever an operator needs comes before it.
+void RelaxedPlanner::extract_for(FactId goal) {
+    stack_.push_back({goal, 0});
+    fact_seen_[goal] = round_;
+    while (!stack_.empty()) {
+        Visit& visit = stack_.back();
+        const FactId fact = visit.fact;
+        const std::int32_t piece = supporter_[fact];
+        if (piece >= 0) {
+            const auto needed = relaxed_.preconditions[piece];
+            while (visit.next < static_cast<std::int32_t>(needed.size()) && fact_seen_[needed[visit.next]] == round_) {
+                ++visit.next;
+            }
+            if (visit.next < static_cast<std::int32_t>(needed.size())) {
+                const FactId below = needed[visit.next++];
+                fact_seen_[below] = round_;
+                stack_.push_back({below, 0});
+                continue;
+            }
+            if (fact_cost_[fact] == relaxed_.cost[piece]) fact_first_[fact] = round_;
+            if (piece_seen_[piece] != round_) {
+                piece_seen_[piece] = round_;
+                pieces_.push_back(piece);
+                operator_seen_[relaxed_.owner[piece]] = round_;
+                if (!several_pieces_) plan_.push_back(relaxed_.owner[piece]);
+            }
+        }
+        stack_.pop_back();
+    }
+}
+
+std::span<const OperatorId> RelaxedPlanner::ordered_plan() {
+    sort_keys_.clear();
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+        sort_keys_.push_back(static_cast<std::uint64_t>(counters_[pieces_[i]].cost) << 32 | i);
+    }
+    std::sort(sort_keys_.begin(), sort_keys_.end());
+    sorted_.clear();
+    std::size_t layer = 0;  // where the present cost begins in sorted_
+    std::uint64_t layer_cost = 0;
+    for (const std::uint64_t key : sort_keys_) {
+        if (key >> 32 != layer_cost) {
+            layer_cost = key >> 32;
+            layer = sorted_.size();
+        }
+        const OperatorId id = relaxed_.owner[pieces_[key & 0xffffffffU]];
+        // Pieces of one operator at one cost are one execution of it.
+        if (several_pieces_ && std::find(sorted_.begin() + layer, sorted_.end(), id) != sorted_.end()) continue;
+        sorted_.push_back(id);
+    }
+    plan_ = sorted_;
+    return plan_;
+}
+
+std::int64_t RelaxedPlanner::plan_cost() const {
+    std::int64_t sum = 0;
+    for (const OperatorId id : plan_) sum += task_.cost[id];
+    return sum;
+}
+
+void RelaxedPlanner::helpful(std::span<const OperatorId> applicable, std::vector<OperatorId>& result) const {
+    result.clear();
+    const auto adds_first = [this](std::span<const FactId> adds) {
+        return std::any_of(adds.begin(), adds.end(), [this](FactId fact) { return fact_first_[fact] == round_; });
+    };
+    for (const OperatorId id : applicable) {
+        bool helps = adds_first(task_.adds[id]);
+        for (std::int32_t effect = task_.effect_offsets[id]; !helps && effect < task_.effect_offsets[id + 1]; ++effect) {
+            helps = adds_first(task_.effect_adds[effect]);
+        }
+        if (helps) result.push_back(id);
+    }
+}
+
+void RelaxedPlanner::in_plan(std::span<const OperatorId> applicable, std::vector<OperatorId>& result) const {
+    result.clear();
+    for (const OperatorId id : applicable) {
+        if (operator_seen_[id] == round_) result.push_back(id);
+    }
+}
+
+}  // namespace explicable

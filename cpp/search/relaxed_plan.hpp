@@ -1,0 +1,74 @@
+// Relaxed plans: the FF heuristic (Hoffmann & Nebel 2001) with best supporters by h_add (Bonet & Geffner 2001).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "search/cost_queue.hpp"
+#include "search/relaxed_task.hpp"
+#include "task/state.hpp"
+
+namespace explicable {
+
+class RelaxedPlanner {
+public:
+    RelaxedPlanner(const Task& task, std::span<const FactId> goal, SupporterCost supporter_cost);
+
+    // False: the goal is out of reach even if nothing were ever deleted, so the state is a dead end.
+    bool compute(const State& state);
+
+    // All of the following speak about the last state for which compute() was true.
+    // The relaxed plan as operators, in no particular order; each once, unless its conditional effects serve several layers.
+    std::span<const OperatorId> plan() const { return plan_; }
+    // The same in an order in which it can be executed in the delete relaxation: by the cost of reaching each operator.
+    std::span<const OperatorId> ordered_plan();
+    std::int64_t plan_cost() const;  // by the task's own costs
+    std::int32_t h_add() const { return h_add_; }
+    // Operators of `applicable` that add a fact which the relaxed plan achieves in its first layer (helpful actions).
+    void helpful(std::span<const OperatorId> applicable, std::vector<OperatorId>& result) const;
+    // Those of `applicable` that stand in the relaxed plan themselves: a subset of the helpful ones.
+    void in_plan(std::span<const OperatorId> applicable, std::vector<OperatorId>& result) const;
+
+private:
+    struct Counter {
+        std::int32_t unsatisfied;  // preconditions
+        std::int32_t cost;         // own cost and that of the preconditions reached
+    };
+    struct Visit {
+        FactId fact;
+        std::int32_t next;  // the supporter's precondition to look at next
+    };
+
+    const Task& task_;
+    const RelaxedTask relaxed_;
+    const std::vector<FactId> goal_;
+    std::vector<char> is_goal_;
+    std::int32_t num_goals_ = 0;
+    std::vector<Counter> initial_counters_, counters_;
+    std::vector<std::int32_t> fact_cost_, supporter_;
+    CostQueue queue_;
+
+    std::vector<OperatorId> plan_;
+    std::vector<std::int32_t> pieces_;  // of the plan, in depth-first order
+    std::vector<std::uint32_t> fact_seen_, fact_first_, piece_seen_, operator_seen_;
+    std::uint32_t round_ = 0;
+    std::vector<Visit> stack_;
+    std::vector<std::uint64_t> sort_keys_;
+    std::vector<OperatorId> sorted_;
+    std::int32_t h_add_ = 0;
+    bool several_pieces_;
+
+    void reach(FactId fact, std::int32_t cost, std::int32_t piece) {
+        if (cost < fact_cost_[fact]) {
+            fact_cost_[fact] = cost;
+            supporter_[fact] = piece;
+            queue_.push(cost, fact);
+        }
+    }
+    bool explore(const State& state);
+    void extract();
+    void extract_for(FactId goal);
+};
+
+}  // namespace explicable

@@ -1,0 +1,192 @@
+"""One function for all forward searches."""
+
+import math
+from collections.abc import Iterable
+from typing import Literal
+
+from explicable import _core
+from explicable.errors import UsageError
+from explicable.model.problem import GroundAtom
+from explicable.model.task import State, Task
+from explicable.search.result import Outcome, SearchResult
+
+Algorithm = Literal["default", "ff", "lazy", "eager", "bfws", "astar", "wastar", "anytime"]
+Heuristic = Literal["ff", "lmcut", "hmax", "blind"]
+Preferred = Literal["relaxed plan", "helpful", "none"]
+Closing = Literal["state", "context"]
+Distance = Literal["count", "ratio"]
+
+
+def search(
+    task: Task,
+    algorithm: Algorithm = "default",
+    *,
+    initial_state: State | None = None,
+    goal: Iterable[int | GroundAtom] | None = None,
+    heuristic: Heuristic | None = None,
+    preferred: Preferred | None = None,
+    weight: float = 5.0,
+    seed: int = 0,
+    time_limit_s: float | None = None,
+    memory_limit_bytes: int | None = None,
+    max_evaluations: int | None = None,
+    scorer: _core.PathScorer | None = None,
+    closing: Closing = "state",
+    alpha: float = 0.0,
+    distance: Distance = "count",
+) -> SearchResult:
+    """Search for a plan.
+
+    Parameters
+    ----------
+    task
+        The grounded task.
+    algorithm
+        ``"default"``
+            Lazy greedy search and, in turns with growing budgets, best-first width search.
+        ``"ff"``
+            Enforced hill-climbing over helpful actions, then best-first search [1]_.
+        ``"lazy"``, ``"eager"``
+            Greedy best-first search by the FF heuristic, with a second queue for preferred operators [2]_.
+        ``"bfws"``
+            Best-first width search BFWS(f5): novelty, then the number of open goals [3]_.
+        ``"astar"``
+            A* with an admissible heuristic; its plans are optimal. LM-cut [4]_ by default.
+        ``"wastar"``
+            A* with ``weight`` on the heuristic.
+        ``"anytime"``
+            A first plan by ``"default"``, then restarting weighted A* [5]_ in turns with A*, until the best
+            plan is proved optimal or a limit is reached. With a scorer it minimises cost + alpha * dist (Eq. 3).
+    initial_state, goal
+        Where to start and what to reach, if not what the task says; the goal as facts or atoms.
+    heuristic
+        For ``"astar"`` (``"lmcut"``, ``"hmax"``, ``"blind"``) and ``"wastar"`` (``"ff"`` as well).
+    preferred
+        Which operators the second queue holds: those of the relaxed plan (default of ``"lazy"``), all helpful
+        actions, or none (default of ``"eager"``).
+    weight
+        Of the heuristic in ``"wastar"``, at least 1.
+    seed
+        0: ties go by the order of generation. Any other seed shuffles them; the same seed, the same result.
+    time_limit_s, memory_limit_bytes, max_evaluations
+        Wall-clock seconds; bytes held by nodes and open lists; heuristic values computed.
+    scorer
+        With a compiled path scorer, ``"default"``, ``"ff"``, ``"lazy"`` and ``"eager"`` search by
+        h = (1 + c) * length(rp) (Eq. 4), where c counts the inexplicable steps in path # rp; best-first search
+        orders by f = g + h.
+    closing
+        Two nodes are the same when they agree in the state, or also in what the scorer knows of the path.
+    alpha, distance
+        Of ``"anytime"`` with a scorer: dist is the number of inexplicable steps or their share.
+
+    Returns
+    -------
+    SearchResult
+        *Unsolvable*, *out of time* and *interrupted* are results. Ctrl-C ends the search, not the process.
+
+    Raises
+    ------
+    UsageError
+        If an option has no meaning, or the scorer or state belongs to another task.
+    InputError
+        If a goal atom is no fact of the task.
+
+    References
+    ----------
+    .. [1] Hoffmann & Nebel, "The FF planning system", JAIR 14, 2001.
+    .. [2] Richter & Helmert, "Preferred operators and deferred evaluation in satisficing planning", ICAPS
+       2009; Richter & Westphal, "The LAMA planner", JAIR 39, 2010.
+    .. [3] Lipovetzky & Geffner, "Best-first width search", AAAI 2017.
+    .. [4] Helmert & Domshlak, "Landmarks, critical paths and abstractions", ICAPS 2009.
+    .. [5] Richter, Thayer & Ruml, "The joy of forgetting", ICAPS 2010.
+
+    Examples
+    --------
+    >>> from explicable.model.grounding import ground
+    >>> from explicable.model.problem import ActionSchema, And, Atom, Domain, Effect, Predicate, Problem
+    >>> lamp = Atom("on", ())
+    >>> switch = ActionSchema("switch", (), And(), (Effect(lamp),))
+    >>> domain = Domain("room", frozenset(), {}, {}, (Predicate("on", ()),), (), (switch,))
+    >>> task = ground(Problem("dark", domain, {}, (), lamp, {}))
+    >>> result = search(task)
+    >>> result.outcome.value, [task.action(operator) for operator in result.operators]
+    ('solved', [('switch',)])
+    """
+    _check(algorithm, weight, seed, time_limit_s, memory_limit_bytes, max_evaluations, scorer, alpha)
+    goal_facts, goal_reachable = _goal_facts(task, goal)
+    if not goal_reachable:
+        return _UNREACHABLE
+    try:
+        answer = _core.search(
+            task.core,
+            initial_state,
+            goal_facts,
+            algorithm=algorithm,
+            heuristic=heuristic or "",
+            preferred=preferred or ("none" if algorithm == "eager" else "relaxed plan"),
+            weight=weight,
+            seed=seed,
+            scorer=scorer,
+            closing=closing,
+            alpha=alpha,
+            ratio=distance == "ratio",
+            time_limit_s=math.inf if time_limit_s is None else time_limit_s,
+            memory_limit_bytes=memory_limit_bytes,
+            max_evaluations=max_evaluations,
+        )
+    except (ValueError, IndexError) as error:
+        raise UsageError(str(error)) from error
+    plan = answer.plan
+    return SearchResult(
+        outcome=Outcome(answer.outcome),
+        # What stands for a disjunctive goal is no step of the plan.
+        operators=None if plan is None else tuple(operator for operator in plan if task.action(operator)),
+        cost=None if plan is None else answer.cost,
+        objective=None if plan is None else answer.objective,
+        lower_bound=answer.lower_bound,
+        is_optimal=answer.is_optimal,
+        evaluations=answer.evaluations,
+        expansions=answer.expansions,
+        memory_bytes=answer.memory_bytes,
+        search_s=answer.search_s,
+        limit=answer.stop if answer.stop in _LIMITS else None,
+    )
+
+
+_LIMITS = ("time", "memory", "evaluations")
+_LABELLED = ("default", "ff", "lazy", "eager", "anytime")
+_UNREACHABLE = SearchResult(Outcome.UNSOLVABLE, None, None, None, math.inf, False, 0, 0, 0, 0.0, None)
+
+
+def _goal_facts(task: Task, goal: Iterable[int | GroundAtom] | None) -> tuple[list[int], bool]:
+    if goal is None:
+        return list(task.goal), task.goal_reachable
+    parts = list(goal)
+    facts = [part for part in parts if isinstance(part, int)]
+    other = task.with_goal(part for part in parts if not isinstance(part, int))
+    return sorted({*facts, *other.goal}), other.goal_reachable
+
+
+def _check(
+    algorithm: str,
+    weight: float,
+    seed: int,
+    time_limit_s: float | None,
+    memory_limit_bytes: int | None,
+    max_evaluations: int | None,
+    scorer: _core.PathScorer | None,
+    alpha: float,
+) -> None:
+    if scorer is not None and algorithm not in _LABELLED:
+        raise UsageError(f"{algorithm} search knows no labelled version; use one of {', '.join(_LABELLED)}")
+    if not 1.0 <= weight < math.inf:
+        raise UsageError(f"the weight of the heuristic must be at least 1 and finite, not {weight}")
+    if not 0 <= seed < 2**64:
+        raise UsageError(f"the seed must be from 0 to 2**64 - 1, not {seed}")
+    if time_limit_s is not None and not time_limit_s >= 0.0:
+        raise UsageError(f"the time limit must not be negative: {time_limit_s}")
+    for name, value in (("memory limit", memory_limit_bytes), ("number of evaluations", max_evaluations)):
+        if value is not None and not 0 <= value < 2**63:
+            raise UsageError(f"the {name} is out of range: {value}")
+    if not 0.0 <= alpha < math.inf:
+        raise UsageError(f"alpha must be finite and not negative, not {alpha}")

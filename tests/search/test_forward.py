@@ -1,0 +1,121 @@
+"""All searches on random tasks, and what they do at their limits."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tiny_strategies import tiny_tasks
+
+from explicable.errors import UsageError
+from explicable.model.grounding import ground
+from explicable.model.problem import ActionSchema, And, Atom, Domain, Effect, Predicate, Problem
+from explicable.search import Outcome, search
+from oracles.tiny_tasks import INFINITY, optimal_cost
+
+ALGORITHMS = ("default", "ff", "lazy", "eager", "bfws", "astar", "wastar", "anytime")
+
+
+def executed(tiny, task, result):
+    """Cost and last state of a plan, executed by the oracle."""
+    state, cost = tiny.initial, 0
+    for operator in result.operators:
+        step = tiny.operators[int(task.action(operator)[0][1:])]
+        assert step.precondition <= state
+        state, cost = step.apply(state), cost + step.cost
+    return cost, state
+
+
+@given(tiny_tasks(), st.sampled_from(ALGORITHMS), st.integers(0, 3))
+def test_every_search_is_right_about_solvability(tiny, algorithm, seed):
+    task = ground(tiny.problem())
+    optimum = optimal_cost(tiny)
+    result = search(task, algorithm, seed=seed)
+    if optimum == INFINITY:
+        assert result.outcome is Outcome.UNSOLVABLE
+        assert result.operators is None
+    else:
+        assert result.outcome is Outcome.SOLVED
+        cost, state = executed(tiny, task, result)
+        assert tiny.goal <= state
+        assert result.cost == cost
+        assert result.lower_bound <= optimum <= cost
+    assert search(task, algorithm, seed=seed).operators == result.operators
+
+
+@given(tiny_tasks(), st.sampled_from(["lmcut", "hmax", "blind"]))
+def test_astar_and_anytime_find_the_optimum(tiny, heuristic):
+    task = ground(tiny.problem())
+    optimum = optimal_cost(tiny)
+    for result in (search(task, "astar", heuristic=heuristic), search(task, "anytime")):
+        if optimum < INFINITY:
+            assert result.is_optimal
+            assert result.cost == optimum == result.lower_bound
+
+
+@given(tiny_tasks(), st.frozensets(st.integers(0, 5), max_size=2))
+def test_other_initial_states_and_goals(tiny, wanted):
+    task = ground(tiny.problem())
+    goal = frozenset(fact for fact in wanted if fact < tiny.num_facts)
+    state = tiny.initial
+    for _, state in tiny.successors(tiny.initial):  # the last successor, if any  # noqa: B007
+        pass
+    other = type(tiny)(tiny.num_facts, tiny.operators, state, goal)
+    packed = task.state_of((f"f{fact}",) for fact in state)
+    result = search(task, "astar", initial_state=packed, goal=[(f"f{fact}",) for fact in goal])
+    assert (math.inf if result.cost is None else result.cost) == optimal_cost(other)
+
+
+def counter(bits):
+    """A binary counter: its only plan has 2 ** bits - 1 steps."""
+    actions = []
+    for bit in range(bits):
+        low = [f"b{i}" for i in range(bit)]
+        precondition = And((Atom(f"n{bit}", ()), *(Atom(name, ()) for name in low)))
+        effects = [Effect(Atom(f"b{bit}", ())), Effect(Atom(f"n{bit}", ()), positive=False)]
+        for i in range(bit):
+            effects += [Effect(Atom(f"n{i}", ())), Effect(Atom(f"b{i}", ()), positive=False)]
+        actions.append(ActionSchema(f"set{bit}", (), precondition, tuple(effects)))
+    names = [f"{kind}{bit}" for bit in range(bits) for kind in "bn"]
+    domain = Domain(
+        "counter", frozenset(), {}, {}, tuple(Predicate(n, ()) for n in names), (), tuple(actions)
+    )
+    goal = And(tuple(Atom(f"b{bit}", ()) for bit in range(bits)))
+    return ground(Problem("count", domain, {}, tuple((f"n{bit}",) for bit in range(bits)), goal, {}))
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_limits_end_a_search(algorithm):
+    task = counter(18)
+    by_evaluations = search(task, algorithm, max_evaluations=500)
+    assert (by_evaluations.outcome, by_evaluations.limit) == (Outcome.LIMIT, "evaluations")
+    assert by_evaluations.evaluations <= 500 + task.num_operators
+    by_time = search(task, algorithm, time_limit_s=0.0)
+    assert (by_time.outcome, by_time.limit) == (Outcome.LIMIT, "time")
+    by_memory = search(task, algorithm, memory_limit_bytes=1000)
+    assert (by_memory.outcome, by_memory.limit) == (Outcome.LIMIT, "memory")
+    assert search(counter(7), algorithm).cost == 2**7 - 1
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"algorithm": "dijkstra"},
+        {"weight": 0.5},
+        {"weight": math.nan},
+        {"seed": -1},
+        {"time_limit_s": -1.0},
+        {"time_limit_s": math.nan},
+        {"memory_limit_bytes": -1},
+        {"max_evaluations": -5},
+        {"alpha": math.inf},
+        {"algorithm": "astar", "heuristic": "ff"},
+        {"preferred": "all"},
+        {"closing": "none"},
+        {"goal": [10**6]},
+        {"initial_state": b"short"},
+    ],
+)
+def test_meaningless_options_are_refused(options):
+    with pytest.raises(UsageError):
+        search(counter(3), **options)
