@@ -1,0 +1,38 @@
+; What the dispatcher believes: every aisle is passable.
+(define (problem deliveries-as-believed)
+  (:domain warehouse)
+  (:objects
+    dispatcher - human
+    cart1 cart2 - cart
+    dock north south gate shelf-a shelf-b packing - place
+    books lamps tools vases - parcel)
+  (:init
+    (at cart1 dock) (empty cart1)
+    (at cart2 packing) (empty cart2)
+    (stored books shelf-a) (destined books dock)
+    (stored lamps shelf-b) (destined lamps dock)
+    (stored tools shelf-b) (destined tools packing)
+    (stored vases dock) (destined vases packing)
+    (aisle dock north) (aisle north dock) (= (length dock north) 2) (= (length north dock) 2)
+    (aisle north shelf-a) (aisle shelf-a north) (= (length north shelf-a) 2) (= (length shelf-a north) 2)
+    (aisle dock gate) (aisle gate dock) (= (length dock gate) 1) (= (length gate dock) 1)
+    (aisle gate shelf-a) (aisle shelf-a gate) (= (length gate shelf-a) 1) (= (length shelf-a gate) 1)
+    (aisle gate shelf-b) (aisle shelf-b gate) (= (length gate shelf-b) 1) (= (length shelf-b gate) 1)
+    (aisle shelf-b south) (aisle south shelf-b) (= (length shelf-b south) 2) (= (length south shelf-b) 2)
+    (aisle dock south) (aisle south dock) (= (length dock south) 3) (= (length south dock) 3)
+    (aisle shelf-b packing) (aisle packing shelf-b) (= (length shelf-b packing) 2) (= (length packing shelf-b) 2)
+    (aisle north packing) (aisle packing north) (= (length north packing) 4) (= (length packing north) 4)
+    (aisle shelf-a packing) (aisle packing shelf-a) (= (length shelf-a packing) 5) (= (length packing shelf-a) 5)
+    (passable dock north) (passable north dock)
+    (passable north shelf-a) (passable shelf-a north)
+    (passable dock gate) (passable gate dock)
+    (passable gate shelf-a) (passable shelf-a gate)
+    (passable gate shelf-b) (passable shelf-b gate)
+    (passable shelf-b south) (passable south shelf-b)
+    (passable dock south) (passable south dock)
+    (passable shelf-b packing) (passable packing shelf-b)
+    (passable north packing) (passable packing north)
+    (passable shelf-a packing) (passable packing shelf-a)
+    (= (total-cost) 0))
+  (:goal (and (delivered books) (delivered lamps) (delivered tools) (delivered vases)))
+  (:metric minimize (total-cost)))
