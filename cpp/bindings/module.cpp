@@ -6,4 +6,5 @@ NB_MODULE(_core, module) {
     bind_task(module);
     bind_search(module);
     bind_labelling(module);
+    bind_scorer(module);
 }

@@ -182,3 +182,49 @@ class SequenceLoss:
         self, weights: NDArray[np.float64], sequence_weights: NDArray[np.float64]
     ) -> tuple[float, NDArray[np.float64]]:
         """Loss and gradient; state weights (features x labels, flat) come first, then transition weights."""
+
+# --- scorer (cpp/bindings/scorer.cpp) ---
+
+class PathScorer: ...
+
+class TeamTables:
+    """What features see of a team task."""
+
+    request_facts: list[int]
+    max_arity: int
+    def __init__(
+        self,
+        composite: Task,
+        mental: Task,
+        goal: list[int],
+        schemas: list[int],
+        predicates: list[int],
+        objects: list[int],
+        is_human: list[bool],
+    ) -> None: ...
+    def is_human(self, step: int, /) -> bool: ...
+    def is_believed(self, step: int, /) -> bool: ...
+    def asks_for(self, step: int, /) -> int: ...
+    def fulfils(self, step: int, /) -> list[int]: ...
+    def achieves(self, step: int, /) -> list[int]: ...
+    def takes_back(self, step: int, earlier: int, /) -> bool: ...
+    def toward_request(self, own: bool, step: int, request: int) -> int: ...
+    def toward_nearest_goal(self, own: bool, step: int, fulfilled: list[bool]) -> int: ...
+    def toward_mission(self, step: int, fulfilled: list[bool]) -> int: ...
+
+class Scorer(PathScorer):
+    """A labeller compiled for one team task; contexts are bytes."""
+
+    def __init__(
+        self,
+        task: Task,
+        tables: TeamTables,
+        weights: list[tuple[int, tuple[int, int, int, int], float]],
+        transitions: list[list[float]],
+        expected: bool,
+    ) -> None: ...
+    def root(self, state: bytes) -> bytes: ...
+    def extend(self, parent: bytes, step: int, before: bytes, after: bytes) -> bytes: ...
+    def score(self, context: bytes, state: bytes, relaxed_plan: list[int]) -> tuple[float, float, int]:
+        """Expected inexplicable steps of path and relaxed plan, their variance, and how many steps there are."""
+    def closing_key(self, context: bytes) -> int: ...

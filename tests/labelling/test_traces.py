@@ -11,6 +11,7 @@ from explicable.first_response.world import parse_map
 from explicable.labelling.traces import (
     LabelledStep,
     Trace,
+    check_traces,
     problem_checksum,
     problem_texts,
     read_traces,
@@ -129,3 +130,14 @@ def test_what_is_no_json_is_refused(tmp_path, line):
     with pytest.raises(TraceError) as caught:
         read_traces(path)
     assert caught.value.line == 2
+
+
+def test_check_names_trace_and_step():
+    good = make_trace()
+    wrong_agent = make_trace()
+    wrong_agent = Trace(good.problem, (LabelledStep("r2", STEPS[1].action),), "anna", "person")
+    blocked = Trace(good.problem, (STEPS[2],), "anna", "person")
+    faults = check_traces([good, wrong_agent, blocked], "x.jsonl")
+    assert [fault.line for fault in faults] == [2, 3]
+    assert "belongs to r1" in faults[0].message
+    assert "(move r1 c-1-2 c-1-3)" in faults[1].message

@@ -1,0 +1,157 @@
+// Feature tables of a team task, and the scorer that a labelled search asks.
+#include "labelling/scorer.hpp"
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "bindings/bindings.hpp"
+#include "bindings/core_task.hpp"
+
+namespace explicable {
+namespace {
+
+using Ints = std::vector<std::int32_t>;
+using Values = std::array<std::int32_t, kMaxValues>;
+
+// A scorer together with the packing of its task's states, in which Python holds them.
+struct BoundScorer final : Scorer {
+    BoundScorer(const CoreTask& core, std::shared_ptr<const TeamTables> tables, FeatureWeights weights,
+                Transitions transitions, bool expected)
+        : Scorer(core, std::move(tables), std::move(weights), transitions, expected), task(core) {}
+    const CoreTask& task;
+};
+
+std::shared_ptr<TeamTables> make_tables(const CoreTask& composite, const CoreTask& mental, const Ints& goal,
+                                        Ints schemas, Ints predicates, Ints objects,
+                                        const std::vector<std::uint8_t>& is_human) {
+    nb::gil_scoped_release release;
+    return std::make_shared<TeamTables>(composite, mental, goal,
+                                        MentalNames{std::move(schemas), std::move(predicates), std::move(objects)},
+                                        is_human);
+}
+
+OperatorId check_operator(const TeamTables& tables, OperatorId step) {
+    if (step < 0 || step >= tables.num_operators()) throw nb::index_error("no such operator");
+    if (tables.schema[step] < 0) throw nb::index_error("an auxiliary operator is no step");
+    return step;
+}
+
+std::vector<Distance> closed_goals(const TeamTables& tables, const std::vector<bool>& fulfilled) {
+    if (fulfilled.size() != tables.goals.size()) throw std::invalid_argument("one flag a goal is needed");
+    std::vector<Distance> closed;
+    for (const bool flag : fulfilled) closed.push_back(flag ? kNoWay : Distance{0});
+    return closed;
+}
+
+Model to_model(bool own) { return own ? Model::kOwn : Model::kMental; }
+
+Ints row(const Table<std::int32_t>& table, OperatorId step) { return Ints(table[step].begin(), table[step].end()); }
+
+State unpack(const CoreTask& task, const nb::bytes& packed) {
+    if (packed.size() != task.packer.num_words() * sizeof(Word)) throw std::invalid_argument("not a state of this task");
+    std::vector<Word> words(task.packer.num_words());
+    if (!words.empty()) std::memcpy(words.data(), packed.c_str(), packed.size());
+    return task.packer.unpack(words.data());
+}
+
+const std::byte* check_context(const BoundScorer& scorer, const nb::bytes& context) {
+    const auto* const bytes = reinterpret_cast<const std::byte*>(context.c_str());
+    if (!scorer.is_sound({bytes, context.size()})) throw std::invalid_argument("not a context of this scorer");
+    return bytes;
+}
+
+std::unique_ptr<BoundScorer> make_scorer(const CoreTask& task, std::shared_ptr<const TeamTables> tables,
+                                         const std::vector<std::tuple<int, Values, double>>& weights,
+                                         const Scorer::Transitions& transitions, bool expected) {
+    if (tables->num_operators() != task.num_operators()) throw std::invalid_argument("tables of another task");
+    FeatureWeights table(tables->num_schemas, tables->max_arity);
+    for (const auto& [feature_template, values, weight] : weights) table.set(feature_template, values, weight);
+    return std::make_unique<BoundScorer>(task, std::move(tables), std::move(table), transitions, expected);
+}
+
+}  // namespace
+}  // namespace explicable
+
+void bind_scorer(nb::module_& module) {
+    using namespace explicable;
+    using namespace nb::literals;
+
+    nb::class_<TeamTables>(module, "TeamTables", "What features see of a team task.")
+        .def(nb::new_(&make_tables), "composite"_a, "mental"_a, "goal"_a, "schemas"_a, "predicates"_a, "objects"_a,
+             "is_human"_a)
+        .def_ro("request_facts", &TeamTables::request_facts)
+        .def_ro("max_arity", &TeamTables::max_arity)
+        .def("is_human", [](const TeamTables& t, OperatorId o) { return t.is_human[check_operator(t, o)] != 0; })
+        .def("is_believed", [](const TeamTables& t, OperatorId o) { return t.in_mental[check_operator(t, o)] != 0; })
+        .def("asks_for", [](const TeamTables& t, OperatorId o) { return t.asks_for[check_operator(t, o)]; })
+        .def("fulfils", [](const TeamTables& t, OperatorId o) { return row(t.fulfils, check_operator(t, o)); })
+        .def("achieves", [](const TeamTables& t, OperatorId o) { return row(t.achieves, check_operator(t, o)); })
+        .def("takes_back",
+             [](const TeamTables& t, OperatorId step, OperatorId earlier) {
+                 return t.takes_back(check_operator(t, step), check_operator(t, earlier));
+             })
+        .def("toward_request",
+             [](const TeamTables& t, bool own, OperatorId step, int request) {
+                 if (request < -1 || request >= t.num_requests()) throw nb::index_error("no such request");
+                 return static_cast<int>(t.toward_request(to_model(own), check_operator(t, step), request));
+             },
+             "own"_a, "step"_a, "request"_a)
+        .def("toward_nearest_goal",
+             [](const TeamTables& t, bool own, OperatorId step, const std::vector<bool>& fulfilled) {
+                 const auto closed = closed_goals(t, fulfilled);
+                 return static_cast<int>(t.toward_nearest_goal(to_model(own), check_operator(t, step), closed));
+             },
+             "own"_a, "step"_a, "fulfilled"_a)
+        .def("toward_mission",
+             [](const TeamTables& t, OperatorId step, const std::vector<bool>& fulfilled) {
+                 const auto closed = closed_goals(t, fulfilled);
+                 return static_cast<int>(t.toward_mission(check_operator(t, step), closed));
+             },
+             "step"_a, "fulfilled"_a);
+
+    if (!nb::type<PathScorer>().is_valid()) nb::class_<PathScorer>(module, "PathScorer");
+    nb::class_<BoundScorer, PathScorer>(module, "Scorer", "A labeller compiled for one team task.")
+        .def(nb::new_(&make_scorer), "task"_a, "tables"_a, "weights"_a, "transitions"_a, "expected"_a,
+             nb::keep_alive<0, 1>())
+        .def("root",
+             [](const BoundScorer& scorer, const nb::bytes& state) {
+                 std::vector<std::byte> context(scorer.context_size());
+                 scorer.root(unpack(scorer.task, state), context.data());
+                 return nb::bytes(context.data(), context.size());
+             },
+             "state"_a)
+        .def("extend",
+             [](const BoundScorer& scorer, const nb::bytes& parent, OperatorId step, const nb::bytes& before,
+                const nb::bytes& after) {
+                 std::vector<std::byte> context(scorer.context_size());
+                 if (step < 0 || step >= scorer.task.num_operators()) throw nb::index_error("no such operator");
+                 scorer.extend(check_context(scorer, parent), step, unpack(scorer.task, before),
+                               unpack(scorer.task, after), context.data());
+                 return nb::bytes(context.data(), context.size());
+             },
+             "parent"_a, "step"_a, "before"_a, "after"_a)
+        .def("score",
+             [](const BoundScorer& scorer, const nb::bytes& context, const nb::bytes& state, const Ints& relaxed_plan) {
+                 for (const auto step : relaxed_plan)
+                     if (step < 0 || step >= scorer.task.num_operators()) throw nb::index_error("no such operator");
+                 const auto result =
+                     scorer.score(check_context(scorer, context), unpack(scorer.task, state), relaxed_plan);
+                 return std::tuple(result.num_inexplicable, result.variance, result.num_steps);
+             },
+             "context"_a, "state"_a, "relaxed_plan"_a)
+        .def("closing_key",
+             [](const BoundScorer& scorer, const nb::bytes& context) {
+                 return scorer.closing_key(check_context(scorer, context));
+             },
+             "context"_a);
+}

@@ -1,0 +1,137 @@
+// A labeller compiled for one team task: scores path # relaxed plan in time that does not depend on the path.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "labelling/team_tables.hpp"
+#include "search/path_scorer.hpp"
+
+namespace explicable {
+
+// The templates of features.py, in its order.
+enum class Template : int {
+    kStep,
+    kAfter,
+    kBefore,
+    kSameAfter,
+    kSameBefore,
+    kSameHuman,
+    kUndoes,
+    kReturns,
+    kUnbelieved,
+    kRequestMental,
+    kRequestOwn,
+    kGoalMental,
+    kGoalOwn,
+    kMission,
+    kRequestModels,
+    kRequestMission,
+    kTrend,
+    kOutlook,
+};
+inline constexpr int kNumTemplates = 18;
+inline constexpr int kMaxValues = 4;
+
+// What stands beside a step: the progress of a robot's step, or one of these.
+inline constexpr int kHumanStep = kNumProgress;
+inline constexpr int kNothing = kNumProgress + 1;
+inline constexpr int kNumNeighbours = kNumProgress + 2;
+
+// How much more each feature speaks for "inexplicable" than for "explicable".
+class FeatureWeights {
+public:
+    FeatureWeights(int num_schemas, int max_arity);
+    // Throws std::invalid_argument if a value does not fit its template.
+    void set(int feature_template, std::span<const std::int32_t> values, double weight);
+    template <class... Values>
+    double get(Template feature_template, Values... values) const {
+        const auto& layout = layouts_[static_cast<std::size_t>(feature_template)];
+        std::size_t index = layout.offset, position = 0;
+        ((index += layout.strides[position++] * static_cast<std::size_t>(values)), ...);
+        return weights_[index];
+    }
+    bool any(Template feature_template) const;
+
+private:
+    struct Layout {
+        std::size_t offset = 0, size = 1;
+        std::vector<std::size_t> dimensions;
+        std::array<std::size_t, kMaxValues> strides{};
+    };
+    std::vector<Layout> layouts_;
+    std::vector<double> weights_;
+};
+
+inline constexpr int kMaxRequests = 8;  // a person keeps so many open requests in mind; older ones are forgotten
+inline constexpr int kRecentSteps = 4;  // steps of robots that a later one may take back
+
+// What the features of the next step need of the steps before it.
+struct Situation {
+    OperatorId last = -1, last_human = -1;
+    std::int32_t num_open = 0;
+    std::array<std::int32_t, kMaxRequests> open{};          // requests, the latest last
+    std::array<OperatorId, kRecentSteps> robot_steps{-1, -1, -1, -1};  // the latest first
+    std::int32_t neighbour = kNothing;                      // `last` as the next step sees it
+
+    int request() const { return num_open == 0 ? -1 : open[static_cast<std::size_t>(num_open) - 1]; }
+};
+
+class Scorer : public PathScorer {
+public:
+    using Transitions = std::array<std::array<double, 2>, 2>;  // label before x label after; 0 explicable, 1 not
+
+    Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, FeatureWeights weights, Transitions transitions,
+           bool expected);
+
+    std::size_t context_size() const override;
+    void root(const State& state, std::byte* context) const override;
+    void extend(const std::byte* parent, OperatorId step, const State& before, const State& after,
+                std::byte* context) const override;
+    PathScore score(const std::byte* context, const State& state,
+                    std::span<const OperatorId> relaxed_plan) const override;
+    std::uint64_t closing_key(const std::byte* context) const override;
+
+    // Whether bytes from outside can be a context of this scorer.
+    bool is_sound(std::span<const std::byte> context) const;
+
+private:
+    // The labels of the steps whose features are final. Of two labels only the difference counts.
+    struct Chain {
+        double odds = 0;                    // hard: best score of inexplicable - explicable; soft: P(inexplicable)
+        std::array<double, 2> count{};      // inexplicable steps so far, given the label of the last
+        std::array<double, 2> variance{};
+        bool is_empty = true;
+    };
+    struct Context {
+        Situation situation;
+        Chain chain;         // all steps but the last
+        double pending = 0;  // score of the last step, but for its look-ahead
+        std::int32_t num_steps = 0;
+    };
+    using Closed = std::span<Distance>;  // kNoWay: the goal is fulfilled; 0: it is open
+
+    void advance(Context& context, OperatorId step, Closed closed) const;
+    // What a robot's step scores but for its look-ahead; `neighbour` is how the steps beside it see it.
+    double step_score(const Situation& situation, OperatorId step, Closed closed, int& neighbour) const;
+    double equality_score(Template same, OperatorId step, OperatorId other) const;
+    double look_ahead(const Situation& situation, OperatorId next, int neighbour) const;
+    void remember(Situation& situation, OperatorId step, int neighbour) const;
+    void append(Chain& chain, bool is_human, double score) const;
+    void append_best(Chain& chain, bool is_human, double score) const;
+    void append_expected(Chain& chain, bool is_human, double score) const;
+    bool is_human(OperatorId step) const { return tables_->is_human[static_cast<std::size_t>(step)] != 0; }
+    int schema(OperatorId step) const { return step < 0 ? tables_->num_schemas : tables_->schema[step]; }
+
+    const Task& task_;
+    std::shared_ptr<const TeamTables> tables_;
+    FeatureWeights weights_;
+    Transitions transitions_;
+    Transitions factors_;  // exp of the transitions, the largest scaled to 1
+    bool expected_, uses_returns_, uses_human_;
+};
+
+}  // namespace explicable

@@ -1,0 +1,345 @@
+"""The labeller: learns from traces what people find explicable, and labels plans that nobody has seen yet."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from explicable import _core
+from explicable.errors import LabellerError, PlanError, TraceError, UsageError
+from explicable.labelling.crf import ConditionalRandomField
+from explicable.labelling.features import TeamFeatures
+from explicable.labelling.score import PlanScores, score_plan
+from explicable.labelling.templates import explain_feature, feature_code
+from explicable.labelling.traces import Trace
+from explicable.labelling.uncertainty import fit_bootstrap, fraction_interval, mix
+from explicable.model.grounding import ground_team
+from explicable.model.problem import GroundAtom
+from explicable.model.team import TeamProblem, TeamTask, schema_kind
+
+if TYPE_CHECKING:
+    from typing import Self
+
+CLASSES = (True, False)
+"""Explicable and inexplicable; ties go to the first, and the second is the paper's empty label."""
+
+
+@dataclass(frozen=True, slots=True)
+class LabelledPlan:
+    """What a labeller says of a plan.
+
+    Attributes
+    ----------
+    actions
+        The plan.
+    is_robot
+        Whether each step is a robot's; a human's is explicable by definition.
+    probabilities
+        Of each step: the probability that it is explicable.
+    labels
+        The most probable labels (Viterbi), True for explicable.
+    features
+        Of each step, by name; none for human steps.
+    scores
+        Explicability in all variants, the weights taken for granted.
+    distribution
+        Entry k: probability that k of the robots' steps are explicable, uncertainty of the weights included.
+    """
+
+    actions: tuple[GroundAtom, ...]
+    is_robot: tuple[bool, ...]
+    probabilities: tuple[float, ...]
+    labels: tuple[bool, ...]
+    features: tuple[tuple[str, ...], ...]
+    scores: PlanScores
+    distribution: NDArray[np.float64]
+
+    def interval(
+        self, level: float = 0.95, steps: Literal["robot", "paper"] = "robot"
+    ) -> tuple[float, float]:
+        """Return the central interval of ``F_robot`` or ``F_paper``, uncertainty of the weights included.
+
+        Raises
+        ------
+        UsageError
+            If no step counts, or the level is not between 0 and 1.
+        """
+        if steps == "robot":
+            return fraction_interval(self.distribution, level)
+        num_human = len(self.actions) - sum(self.is_robot)
+        return fraction_interval(np.concatenate([np.zeros(num_human), self.distribution]), level)
+
+
+class Labeller:
+    r"""A trained labeller; see `train` and `load`.
+
+    Parameters
+    ----------
+    model
+        The conditional random field, its classes in the order of `CLASSES`.
+    bootstrap
+        Models trained under random weights of traces; how they differ says how sure the labeller is.
+    schemas
+        Names of the robots' action schemas that occurred in training.
+    summary
+        How it was trained.
+
+    Examples
+    --------
+    >>> from explicable.first_response.encoding import encode
+    >>> from explicable.first_response.world import parse_map
+    >>> from explicable.labelling.traces import LabelledStep
+    >>> problem = encode(parse_map("#####\n#@.*#\n#####\n"))
+    >>> plan = [
+    ...     ("command", "person", "c-1-3"),
+    ...     ("move", "r1", "c-1-1", "c-1-2"),
+    ...     ("move", "r1", "c-1-2", "c-1-1"),
+    ... ]
+    >>> steps = tuple(LabelledStep(a[1], a, answer) for a, answer in zip(plan, (None, True, False)))
+    >>> labeller = Labeller.train([Trace(problem, steps, "anna", "person")], c2=0.01, num_bootstrap=0)
+    >>> labeller.label(ground_team(problem), plan).labels
+    (True, True, False)
+    """
+
+    def __init__(
+        self,
+        model: ConditionalRandomField,
+        bootstrap: Sequence[ConditionalRandomField] = (),
+        schemas: Iterable[str] = (),
+        summary: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.model = model
+        self.bootstrap = tuple(bootstrap)
+        self.schemas = tuple(sorted(set(schemas)))
+        self.summary = dict(summary or {})
+
+    @classmethod
+    def train(
+        cls,
+        traces: Iterable[Trace],
+        *,
+        c1: float = 0.0,
+        c2: float = 0.3,
+        num_bootstrap: int = 50,
+        seed: int = 0,
+        annotator_weights: Mapping[str, float] | None = None,
+    ) -> "Self":
+        """Train on labelled traces.
+
+        Human steps are explicable by definition, whatever label they carry; steps that nobody was asked about
+        are unobserved. If all labels are alike, so will be the most probable labels of every plan.
+
+        Parameters
+        ----------
+        traces
+            Of any problems, domains and annotators.
+        c1, c2
+            Weights of the L1 and L2 penalty.
+        num_bootstrap
+            Number of models of the Bayesian bootstrap; 0: the uncertainty of the weights is left out.
+        seed
+            Of the bootstrap.
+        annotator_weights
+            Weight of each annotator's traces; 1 where missing.
+
+        Raises
+        ------
+        UsageError
+            If no robot's step has a label, or a parameter is out of range.
+        TraceError
+            If a trace can't be executed in its problem; ``line`` is the number of the trace, from 1.
+        """
+        if num_bootstrap < 0:
+            raise UsageError(f"the number of bootstrap models must not be negative, as {num_bootstrap} is")
+        data = _TrainingData()
+        for trace in traces:
+            data.add(trace)
+        if data.num_labels == 0:
+            raise UsageError("no robot's step has a label: there is nothing to learn from")
+        sample_weight = [float((annotator_weights or {}).get(name, 1.0)) for name in data.annotators]
+        model = ConditionalRandomField(c1=c1, c2=c2, classes=CLASSES)
+        bootstrap = []
+        if num_bootstrap:
+            rng = np.random.default_rng(seed)
+            bootstrap = fit_bootstrap(model, data.features, data.labels, rng, num_bootstrap, sample_weight)
+        model.fit(data.features, data.labels, sample_weight)
+        summary = {
+            "c1": c1,
+            "c2": c2,
+            "num_bootstrap": num_bootstrap,
+            "seed": seed,
+            "num_traces": len(data.labels),
+            "num_labels": data.num_labels,
+            "annotators": len(set(data.annotators)),
+            "objective": model.objective_,
+        }
+        return cls(model, bootstrap, data.schemas, summary)
+
+    @staticmethod
+    def load(path: str | Path) -> "Labeller":
+        """Read a labeller file.
+
+        Raises
+        ------
+        LabellerError
+            If it is damaged, of another version, or no labeller at all.
+        """
+        from explicable.labelling.labeller_file import read_labeller
+
+        return read_labeller(path)
+
+    def save(self, path: str | Path) -> None:
+        """Write a labeller file, whole or not at all; `load` restores it exactly."""
+        from explicable.labelling.labeller_file import write_labeller
+
+        write_labeller(path, self)
+
+    def label(self, team: TeamTask | TeamFeatures, actions: Sequence[GroundAtom]) -> LabelledPlan:
+        """Label a plan of a team task.
+
+        Parameters
+        ----------
+        team
+            The task; handing in its `TeamFeatures` saves making them again.
+        actions
+            A plan from the initial state; it need not reach the goal.
+
+        Raises
+        ------
+        PlanError
+            If a step is not applicable.
+        LabellerError
+            If the labeller knows none of the task's action schemas.
+        """
+        features = self._features(team)
+        execution = features.task.execute(actions)
+        rows = features.extract(execution.operators, execution.states)
+        is_robot = tuple(not features.tables.is_human(operator) for operator in execution.operators)
+        clamp = [[None if robot else True for robot in is_robot]]
+        (labels,) = self.model.predict([rows], clamp)
+        (marginals,) = self.model.predict_marginals([rows], clamp)
+        distributions = [
+            model.predict_counts([rows], empty=False, clamp=clamp, counted=[is_robot])[0]
+            for model in (self.bootstrap or (self.model,))
+        ]
+        return LabelledPlan(
+            actions=tuple(actions),
+            is_robot=is_robot,
+            probabilities=tuple(marginals[:, 0].tolist()),
+            labels=tuple(bool(label) for label in labels),
+            features=tuple(rows),
+            scores=score_plan(self.model, rows, is_robot, is_asked=is_robot),
+            distribution=mix(distributions),
+        )
+
+    def scorer(self, team: TeamTask | TeamFeatures, *, expected: bool = True) -> _core.Scorer:
+        """Compile the labeller for a search over a team task.
+
+        Parameters
+        ----------
+        team
+            The task, or its `TeamFeatures`.
+        expected
+            Whether to count inexplicable steps by their probability; otherwise by the most probable labels.
+
+        Raises
+        ------
+        LabellerError
+            If the labeller knows none of the task's action schemas.
+        """
+        features = self._features(team)
+        schemas = {name: number for number, name in enumerate(features.schemas)}
+        weights = []
+        for feature, weight in self._evidence.items():
+            code = feature_code(feature, schemas, features.tables.max_arity)
+            if code is not None:
+                weights.append((*code, -weight))
+        transitions = self.model.transition_weights_
+        return _core.Scorer(
+            features.task.core, features.tables, weights, transitions.tolist(), expected=expected
+        )
+
+    def explain(self, plan: LabelledPlan, num_features: int = 5) -> list[list[tuple[str, float]]]:
+        """Tell what moved the label of each step most.
+
+        Parameters
+        ----------
+        plan
+            A plan that this labeller labelled.
+        num_features
+            At most so many a step.
+
+        Returns
+        -------
+        list of lists of (text, float)
+            For each step, the strongest first: what speaks for (positive) or against (negative) its being
+            explicable, in log odds. Empty for human steps. Neighbouring labels speak too, but are left out.
+        """
+        explanations = []
+        for names in plan.features:
+            spoken = [(explain_feature(name), self._evidence.get(name, 0.0)) for name in names]
+            spoken.sort(key=lambda pair: -abs(pair[1]))
+            explanations.append([pair for pair in spoken if pair[1] != 0.0][:num_features])
+        return explanations
+
+    def unknown_schemas(self, problem: TeamProblem) -> tuple[str, ...]:
+        """List the robots' action schemas that never occurred in training: their labels are guesses."""
+        names = _robot_schemas(problem)
+        return tuple(name for name in names if name not in self.schemas)
+
+    def _features(self, team: TeamTask | TeamFeatures) -> TeamFeatures:
+        features = team if isinstance(team, TeamFeatures) else TeamFeatures(team)
+        problem = features.team.problem
+        names = _robot_schemas(problem)
+        if names and len(self.unknown_schemas(problem)) == len(names):
+            raise LabellerError(
+                "this labeller was trained on another domain: "
+                f"it knows {', '.join(self.schemas) or 'nothing'}, but robots here can {', '.join(names)}"
+            )
+        return features
+
+    @cached_property
+    def _evidence(self) -> dict[str, float]:
+        """How much each feature speaks for explicable rather than inexplicable."""
+        difference = self.model.state_weights_[:, 0] - self.model.state_weights_[:, 1]
+        return dict(zip(self.model.feature_names_, difference.tolist(), strict=True))
+
+
+class _TrainingData:
+    """Features and labels of traces; each problem is grounded once."""
+
+    def __init__(self) -> None:
+        self.features: list[list[tuple[str, ...]]] = []
+        self.labels: list[list[bool | None]] = []
+        self.annotators: list[str] = []
+        self.schemas: set[str] = set()
+        self.num_labels = 0
+        self._teams: dict[int, tuple[TeamProblem, TeamFeatures]] = {}  # holds on to problems: ids stay unique
+
+    def add(self, trace: Trace) -> None:
+        if id(trace.problem) not in self._teams:
+            self._teams[id(trace.problem)] = (trace.problem, TeamFeatures(ground_team(trace.problem)))
+        team = self._teams[id(trace.problem)][1]
+        try:
+            execution = team.task.execute(trace.actions)
+        except PlanError as error:
+            raise TraceError(error.message, line=len(self.labels) + 1) from error
+        self.features.append(team.extract(execution.operators, execution.states))
+        self.annotators.append(trace.annotator)
+        labels: list[bool | None] = []
+        for step, operator in zip(trace.steps, execution.operators, strict=True):
+            is_human = team.tables.is_human(operator)
+            labels.append(True if is_human else step.label)
+            if not is_human:
+                self.schemas.add(step.action[0])
+                self.num_labels += step.label is not None
+        self.labels.append(labels)
+
+
+def _robot_schemas(problem: TeamProblem) -> list[str]:
+    domain = problem.composite.domain
+    return [action.name for action in domain.actions if schema_kind(domain, action) == "robot"]
