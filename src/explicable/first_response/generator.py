@@ -34,11 +34,10 @@ STUDY_AREA = 36
 STUDY_WALLS, STUDY_OBSTACLES, STUDY_HIDDEN = (2, 4), (1, 4), (5, 8)
 MAX_ATTEMPTS = 200
 """Maps drawn before their counts are declared impossible."""
-
-MISLEADING_SHARE = 0.2
+MISLEADING_SHARE = 0.4
 """Of the ways between two stops (robots, rooms), at least so many are longer in truth than they look ..."""
-MISLEADING_ATTEMPTS = 20
-"""... unless none of so many maps has them, which is so in corridors and on very large maps."""
+MISLEADING_ATTEMPTS = 100
+"""... unless none of so many maps is like that, as in corridors."""
 
 BUILTIN_SEEDS = {"training": range(1, 17), "test": range(101, 105)}
 """The seed of each map that comes with the package, in the order of the maps' numbers."""
@@ -100,9 +99,9 @@ def generate(
     >>> from explicable.first_response.world import format_map
     >>> print(format_map(generate(np.random.default_rng(1), height=3, width=5, num_marks=2)), end="")
     #######
-    #...@.#
-    #...o.#
-    #*xx*##
+    #.x.#*#
+    #@x.*.#
+    #....o#
     #######
     """
     largest = MAX_SIDE - 2 if border else MAX_SIDE
