@@ -1,9 +1,10 @@
 #include "labelling/loss.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
-#include <string>
+#include <utility>
 
 namespace explicable {
 namespace {
@@ -18,76 +19,70 @@ void check_offsets(std::span<const std::int64_t> offsets, std::size_t num_values
     require(offsets.back() == static_cast<std::int64_t>(num_values), "offsets must end with the number of entries");
 }
 
-// If no score differs by more than this within a position or among transitions, scaled probabilities stay above
-// exp(-300) / num_labels, far from underflow, and their products can be folded into a logarithm now and then.
-constexpr double kLargestScaledSpread = 300.0;
+// While no score is larger than this in absolute value, scaled probabilities stay above exp(-240) / num_labels and
+// everything computed from them within 1e-183 and 1e183: far from underflow and overflow.
+constexpr double kLargestScaledScore = 60.0;
 
-// Forward and backward passes on probabilities, normalised at every position: no exponential in the inner loop.
-// Labels number FixedLabels, known when compiling, or, if that is 0, `num_labels`.
-template <int FixedLabels>
+// More labels than this, and larger scores, go through the passes in log space.
+constexpr int kMostScaledLabels = 6;
+
+// Forward and backward passes on probabilities, normalised at every position: no exponential in the inner loop,
+// and what it works on fits into registers, since the number of labels is known when compiling.
+template <int NumLabels>
 class ScaledPass {
 public:
-    ScaledPass(int num_labels, std::span<const double> state, std::span<const double> transition)
-        : num_labels_(num_labels), potentials_(state.size()), offsets_(state.size() / num_labels) {
-        const int n = this->num_labels();
-        for (std::size_t row = 0; row < offsets_.size(); ++row) {
-            const auto scores = state.subspan(row * n, n);
-            offsets_[row] = *std::max_element(scores.begin(), scores.end());
-            for (int j = 0; j < n; ++j) potentials_[row * n + j] = std::exp(scores[j] - offsets_[row]);
-        }
-        transition_offset_ = *std::max_element(transition.begin(), transition.end());
-        transition_.reserve(transition.size());
-        for (const double score : transition) transition_.push_back(std::exp(score - transition_offset_));
-        pairs_.resize(transition.size());
-        beta_.resize(n);
-        next_.resize(n);
+    ScaledPass(std::span<const double> state, std::span<const double> transition)
+        : potentials_(state.size() / NumLabels) {
+        for (std::size_t k = 0; k < state.size(); ++k) potentials_[k / NumLabels][k % NumLabels] = std::exp(state[k]);
+        for (std::size_t k = 0; k < transition_.size(); ++k) transition_[k] = std::exp(transition[k]);
     }
 
     // Returns the log partition function of one sequence and adds weight * expected counts to both gradients.
-    double add_expected(std::span<const std::int32_t> rows, std::span<const LabelId> clamped, double weight,
+    // With Clamped, labels are summed over only where `clamped` has kAnyLabel.
+    template <bool Clamped>
+    double add_expected(std::span<const std::int32_t> rows, const LabelId* clamped, double weight,
                         std::span<double> state_gradient, std::span<double> transition_gradient) {
-        if (rows.empty()) return 0.0;
-        const double log_partition = forward(rows, clamped);
-        backward(rows, clamped, weight, state_gradient);
-        const int n = num_labels();
-        for (int k = 0; k < n * n; ++k) transition_gradient[k] += weight * pairs_[k] * transition_[k];
+        const double log_partition = forward<Clamped>(rows, clamped);
+        backward<Clamped>(rows, clamped, weight, state_gradient, transition_gradient);
         return log_partition;
     }
 
 private:
-    int num_labels() const {
-        if constexpr (FixedLabels > 0) return FixedLabels;
-        return num_labels_;
+    using Row = std::array<double, NumLabels>;
+
+    template <bool Clamped>
+    Row potentials(std::int32_t row, const LabelId* clamped, std::size_t t) const {
+        Row result = potentials_[row];
+        if (Clamped && clamped[t] != kAnyLabel)
+            for (int j = 0; j < NumLabels; ++j)
+                if (clamped[t] != j) result[j] = 0.0;
+        return result;
     }
 
-    double potential(std::span<const std::int32_t> rows, std::span<const LabelId> clamped, std::size_t t, int j) const {
-        if (!clamped.empty() && clamped[t] != kAnyLabel && clamped[t] != j) return 0.0;
-        return potentials_[static_cast<std::size_t>(rows[t]) * num_labels() + j];
-    }
-
-    double forward(std::span<const std::int32_t> rows, std::span<const LabelId> clamped) {
-        const int n = num_labels();
-        if (alpha_.size() < rows.size() * n) {
-            alpha_.resize(rows.size() * n);
+    template <bool Clamped>
+    double forward(std::span<const std::int32_t> rows, const LabelId* clamped) {
+        if (alpha_.size() < rows.size()) {
+            alpha_.resize(rows.size());
             inverse_scale_.resize(rows.size());
         }
-        double log_partition = static_cast<double>(rows.size() - 1) * transition_offset_;
+        const auto transition = transition_;
+        Row before{};
+        double log_partition = 0.0;
         double product = 1.0;
         for (std::size_t t = 0; t < rows.size(); ++t) {
-            double* here = &alpha_[t * n];
-            double sum = 0.0;
-            for (int to = 0; to < n; ++to) {
-                double incoming = 1.0;
-                if (t > 0) {
-                    incoming = 0.0;
-                    for (int from = 0; from < n; ++from) incoming += (here - n)[from] * transition_[from * n + to];
+            Row here = potentials<Clamped>(rows[t], clamped, t);
+            if (t > 0)
+                for (int to = 0; to < NumLabels; ++to) {
+                    double incoming = 0.0;
+                    for (int from = 0; from < NumLabels; ++from)
+                        incoming += before[from] * transition[from * NumLabels + to];
+                    here[to] *= incoming;
                 }
-                here[to] = incoming * potential(rows, clamped, t, to);
-                sum += here[to];
-            }
+            double sum = 0.0;
+            for (const double weight : here) sum += weight;
             inverse_scale_[t] = 1.0 / sum;
-            for (int j = 0; j < n; ++j) here[j] *= inverse_scale_[t];
-            log_partition += offsets_[rows[t]];
+            for (int j = 0; j < NumLabels; ++j) before[j] = here[j] / sum;
+            alpha_[t] = before;
             product *= sum;
             if (product < 1e-30 || product > 1e30) {
                 log_partition += std::log(product);
@@ -97,45 +92,41 @@ private:
         return log_partition + std::log(product);
     }
 
-    void backward(std::span<const std::int32_t> rows, std::span<const LabelId> clamped, double weight,
-                  std::span<double> state_gradient) {
-        const int n = num_labels();
-        std::fill(pairs_.begin(), pairs_.end(), 0.0);
-        std::fill(beta_.begin(), beta_.end(), 1.0);
+    template <bool Clamped>
+    void backward(std::span<const std::int32_t> rows, const LabelId* clamped, double weight,
+                  std::span<double> state_gradient, std::span<double> transition_gradient) const {
+        const auto transition = transition_;
+        std::array<double, NumLabels * NumLabels> pairs{};  // expected transitions, divided by `transition`
+        Row beta;
+        beta.fill(1.0);
         for (std::size_t t = rows.size(); t-- > 0;) {
-            double* row_gradient = &state_gradient[static_cast<std::size_t>(rows[t]) * n];
-            for (int j = 0; j < n; ++j) row_gradient[j] += weight * alpha_[t * n + j] * beta_[j];
+            double* row_gradient = state_gradient.data() + static_cast<std::size_t>(rows[t]) * NumLabels;
+            for (int j = 0; j < NumLabels; ++j) row_gradient[j] += weight * alpha_[t][j] * beta[j];
             if (t == 0) break;
-            for (int j = 0; j < n; ++j) next_[j] = potential(rows, clamped, t, j) * beta_[j] * inverse_scale_[t];
-            for (int from = 0; from < n; ++from) {
+            Row next = potentials<Clamped>(rows[t], clamped, t);
+            for (int j = 0; j < NumLabels; ++j) next[j] *= beta[j] * inverse_scale_[t];
+            const Row before = alpha_[t - 1];
+            for (int from = 0; from < NumLabels; ++from) {
                 double outgoing = 0.0;
-                for (int to = 0; to < n; ++to) {
-                    pairs_[from * n + to] += alpha_[(t - 1) * n + from] * next_[to];
-                    outgoing += transition_[from * n + to] * next_[to];
+                for (int to = 0; to < NumLabels; ++to) {
+                    pairs[from * NumLabels + to] += before[from] * next[to];
+                    outgoing += transition[from * NumLabels + to] * next[to];
                 }
-                beta_[from] = outgoing;
+                beta[from] = outgoing;
             }
         }
+        for (int k = 0; k < NumLabels * NumLabels; ++k)
+            transition_gradient[k] += weight * pairs[k] * transition[k];
     }
 
-    int num_labels_;
-    std::vector<double> potentials_;  // rows x labels, exp(score - the row's largest score)
-    std::vector<double> offsets_;     // per row, its largest score
-    std::vector<double> transition_;  // exp(score - the largest transition score)
-    double transition_offset_;
-    std::vector<double> alpha_, inverse_scale_, beta_, next_;
-    std::vector<double> pairs_;  // expected transitions of one sequence, divided by transition_
+    std::vector<Row> potentials_;  // exp(score) per row and label
+    std::array<double, NumLabels * NumLabels> transition_;
+    std::vector<Row> alpha_;
+    std::vector<double> inverse_scale_;
 };
 
-template <int FixedLabels, class Visit>
-double sum_scaled(int num_labels, std::span<const double> state, std::span<const double> transition, Visit visit) {
-    ScaledPass<FixedLabels> pass(num_labels, state, transition);
-    return visit(pass);
-}
-
-double spread(std::span<const double> scores) {
-    const auto [low, high] = std::minmax_element(scores.begin(), scores.end());
-    return *high - *low;
+bool are_at_most(std::span<const double> scores, double largest) {
+    return std::all_of(scores.begin(), scores.end(), [&](double score) { return std::abs(score) <= largest; });
 }
 
 }  // namespace
@@ -208,11 +199,10 @@ double SequenceLoss::operator()(std::span<const double> weights, std::span<const
     state_scores(rows_, num_labels_, weights.first(num_state_weights), state);
     std::fill(gradient.begin(), gradient.end(), 0.0);
 
-    double widest = spread(transition);
-    for (std::size_t row = 0; row < rows_.size(); ++row)
-        widest = std::max(widest, spread(std::span(state).subspan(row * num_labels_, num_labels_)));
+    const bool fits_scaled_passes = num_labels_ <= kMostScaledLabels && are_at_most(state, kLargestScaledScore) &&
+                                    are_at_most(transition, kLargestScaledScore);
     const auto transition_gradient = gradient.subspan(num_state_weights);
-    const double loss = widest <= kLargestScaledSpread / 2
+    const double loss = fits_scaled_passes
                             ? scaled(state, transition, sequence_weights, state_gradient, transition_gradient)
                             : in_log_space(state, transition, sequence_weights, state_gradient, transition_gradient);
 
@@ -245,23 +235,30 @@ double SequenceLoss::add_observed(std::size_t sequence, std::span<const double> 
 double SequenceLoss::scaled(std::span<const double> state, std::span<const double> transition,
                             std::span<const double> sequence_weights, std::span<double> state_gradient,
                             std::span<double> transition_gradient) const {
-    const auto sum = [&](auto& pass) {
+    const auto sum = [&](auto pass) {
         double loss = 0.0;
         for (std::size_t s = 0; s < num_sequences(); ++s) {
             const double weight = sequence_weights[s];
             const std::size_t length = offsets_[s + 1] - offsets_[s];
             if (weight == 0.0 || length == 0) continue;
             const auto rows = std::span(position_rows_).subspan(offsets_[s], length);
-            const auto labels = std::span(position_labels_).subspan(offsets_[s], length);
-            loss += weight * pass.add_expected(rows, {}, weight, state_gradient, transition_gradient);
+            const LabelId* labels = position_labels_.data() + offsets_[s];
+            loss += weight * pass.template add_expected<false>(rows, nullptr, weight, state_gradient,
+                                                               transition_gradient);
             loss -= weight * (fully_observed_[s]
                                   ? add_observed(s, state, transition, weight, state_gradient, transition_gradient)
-                                  : pass.add_expected(rows, labels, -weight, state_gradient, transition_gradient));
+                                  : pass.template add_expected<true>(rows, labels, -weight, state_gradient,
+                                                                     transition_gradient));
         }
         return loss;
     };
-    if (num_labels_ == 2) return sum_scaled<2>(num_labels_, state, transition, sum);
-    return sum_scaled<0>(num_labels_, state, transition, sum);
+    switch (num_labels_) {
+        case 2: return sum(ScaledPass<2>(state, transition));
+        case 3: return sum(ScaledPass<3>(state, transition));
+        case 4: return sum(ScaledPass<4>(state, transition));
+        case 5: return sum(ScaledPass<5>(state, transition));
+        default: return sum(ScaledPass<kMostScaledLabels>(state, transition));
+    }
 }
 
 double SequenceLoss::in_log_space(std::span<const double> state, std::span<const double> transition,

@@ -49,7 +49,10 @@ def oracle_loss(problem, weights, sequence_weights):
 
 
 @given(
-    st.integers(0, 10**6), st.integers(2, 4), st.sampled_from([0.5, 300.0]), st.sampled_from([0.0, 0.4, 1.0])
+    st.integers(0, 10**6),
+    st.sampled_from([2, 3, 5, 7]),
+    st.sampled_from([0.5, 300.0]),
+    st.sampled_from([0.0, 0.4, 1.0]),
 )
 @settings(max_examples=60, deadline=None)
 def test_loss_and_gradient_match_enumeration(seed, num_labels, size, unobserved):
@@ -72,7 +75,7 @@ def test_scaled_and_log_space_passes_agree_where_one_hands_over_to_the_other(num
     problem["row_values"][:] = 1.0
     loss = _core.SequenceLoss(**problem)
     results = []
-    for largest in (150.0 * (1 - 1e-13), 150.0 * (1 + 1e-13)):
+    for largest in (60.0 * (1 - 1e-13), 60.0 * (1 + 1e-13)):
         weights = np.zeros((1 + num_labels) * num_labels)
         weights[1] = largest / np.diff(problem["row_offsets"]).max()
         weights[-1] = largest
