@@ -45,7 +45,7 @@ def test_what_comes_from_outside_is_legal_in_every_living_state(state, event):
 
 @given(st.lists(st.sampled_from(Event), max_size=30))
 def test_books_stay_balanced_under_any_events(events):
-    """A step is sent only when none is under way, the planner runs exactly while planning, the end is the end."""
+    """Steps are sent one at a time, the planner runs exactly while planning, the end is the end."""
     state, robot_busy, planner_busy = State.DECIDING, False, False
     for event in events:
         if (state, event) not in TABLE:
