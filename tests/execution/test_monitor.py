@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -73,3 +75,8 @@ def test_the_diagram_shows_every_change_of_state():
     drawn = draw_monitor()
     changes = sum(before is not after for (before, _), (after, _) in TABLE.items())
     assert drawn.count("-->") == changes + 1 + len(FINAL)
+
+
+def test_the_page_shows_the_diagram_as_it_is():
+    page = Path(__file__).parents[2] / "docs" / "execution.md"
+    assert f"```mermaid\n{draw_monitor()}```\n" in page.read_text()

@@ -1,0 +1,236 @@
+"""The protocol of the study behind the paper, played with simulated participants (method page, section 5)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from enum import StrEnum
+from typing import TYPE_CHECKING, Literal
+
+from explicable.errors import PlanError, UsageError
+from explicable.execution import mind as minds
+from explicable.execution.mind import Mind
+from explicable.execution.outlook import Outlook, Request
+from explicable.execution.participants import Family, Participant
+from explicable.execution.setting import Setting, prepare
+from explicable.labelling.traces import LabelledStep, Trace
+from explicable.model.plan import format_action
+from explicable.model.problem import GroundAtom
+from explicable.model.task import State
+from explicable.model.team import TeamProblem
+
+if TYPE_CHECKING:
+    import numpy as np
+
+Way = Literal["commanded", "autonomous"]
+
+
+class Ending(StrEnum):
+    """How an episode ended."""
+
+    REACHED = "goal reached"
+    STUCK = "nobody knew how to go on"
+    LIMIT = "step limit reached"
+
+
+@dataclass(frozen=True, slots=True)
+class Episode:
+    """A game played to its end."""
+
+    trace: Trace
+    ending: Ending
+
+
+def simulate(
+    setting: Setting,
+    participant: Participant,
+    rng: "np.random.Generator",
+    *,
+    way: Way = "commanded",
+    max_steps: int = 1000,
+) -> Episode:
+    """Play one game as in the study: the participant asks, the robot follows, and each robot step is judged.
+
+    The robot takes a shortest way, in the truth, to what was last asked for. After each of its steps the
+    participant says whether it made sense, by its beliefs before the step, and may ask for something else. A
+    request that the robot sees no way to fulfil is refused once and for all.
+
+    Parameters
+    ----------
+    setting
+        The team problem, prepared by `prepare`.
+    participant
+        Who judges and asks.
+    rng
+        All chance in the game comes from here.
+    way
+        ``commanded``: the robot waits until something is asked for. ``autonomous``: it heads for what can be
+        had soonest, and the participant may be silent for as long as the robot gets on.
+    max_steps
+        Most steps of the whole team.
+
+    Returns
+    -------
+    Episode
+        It always ends; how, it says.
+    """
+    if way not in ("commanded", "autonomous"):
+        raise UsageError(f"way must be commanded or autonomous, not {way!r}")
+    game = _Game(setting, participant, rng)
+    truth, refused, may_think = setting.truth, frozenset[GroundAtom](), False
+    while not truth.task.is_goal(game.state):
+        if len(game.steps) >= max_steps:
+            return game.ended(Ending.LIMIT)
+        request = game.mind.request
+        robot_action = follow(truth, game.state, request, way)
+        must_ask = request is None and (robot_action is None or way == "commanded")
+        if must_ask or (may_think and rng.random() < participant.readiness):
+            asked = minds.choose(setting, participant, game.mind, rng, refused)
+            if asked is not None and truth.operator(game.state, asked) is None:
+                refused |= {asked}
+                continue
+            if asked is not None:
+                game.human_step(asked)
+                may_think = False
+                continue
+        if robot_action is not None:
+            game.robot_step(robot_action)
+            may_think = True
+        elif request is not None:
+            refused |= {request.action}
+            game.mind = minds.give_up(game.mind, request)
+        else:
+            return game.ended(Ending.STUCK)
+    return game.ended(Ending.REACHED)
+
+
+def follow(truth: Outlook, state: State, request: Request | None, way: Way) -> GroundAtom | None:
+    """Return the robot's next action on a shortest way to what is asked for, or None where it has to wait.
+
+    With nothing asked for it waits if something useful could be asked, unless it plays autonomously; where
+    nothing can be asked it does its part of a shortest joint way to the goal.
+    """
+    if request is not None:
+        operators = truth.fulfilment_way(state, request)
+    else:
+        asks = truth.ranked_asks(state)
+        if asks and way == "commanded":
+            return None
+        operators = truth.way_after_asking(state, asks[0][1]) if asks else truth.mission_way(state)
+    if not operators or not truth.task.is_applicable(state, operators[0]):
+        return None
+    action = truth.task.action(operators[0])
+    return action if truth.problem.agent_of(action).kind == "robot" else None
+
+
+def judge(
+    setting: Setting, participant: Participant, actions: Sequence[GroundAtom], rng: "np.random.Generator"
+) -> tuple[LabelledStep, ...]:
+    """Let a participant watch a whole joint plan and label its robot steps.
+
+    Raises
+    ------
+    PlanError
+        If a step can't be executed in the truth; the message gives its number.
+    """
+    game = _Game(setting, participant, rng)
+    for action in actions:
+        if setting.problem.agent_of(action).kind == "human":
+            game.human_step(action)
+        else:
+            game.robot_step(action)
+    return tuple(game.steps)
+
+
+class _Game:
+    """The one mutable thing: the truth, the participant's mind, and the steps so far."""
+
+    def __init__(self, setting: Setting, participant: Participant, rng: "np.random.Generator") -> None:
+        self.setting, self.participant, self.rng = setting, participant, rng
+        self.state = setting.truth.task.initial_state
+        self.mind = Mind(setting.belief.task.initial_state)
+        self.steps: list[LabelledStep] = []
+
+    def human_step(self, action: GroundAtom) -> None:
+        self._execute(action, None)
+
+    def robot_step(self, action: GroundAtom) -> None:
+        regret = minds.regret(self.setting.belief, self.participant, self.mind, action)
+        label = minds.label_step(self.participant, regret, self.rng)
+        if regret > 0:
+            self.mind = minds.infer(self.setting, self.participant, self.mind, self.state, self.rng)
+        self._execute(action, label)
+        self.mind = minds.forget(self.setting, self.participant, self.mind, self.rng)
+
+    def _execute(self, action: GroundAtom, label: bool | None) -> None:
+        truth = self.setting.truth
+        operator = truth.operator(self.state, action)
+        if operator is None:
+            raise PlanError(f"step {len(self.steps) + 1}, {format_action(action)}, can't be executed there")
+        after = truth.task.successor(self.state, operator)
+        self.mind = minds.watch(self.setting, self.mind, action, self.state, after)
+        self.state = after
+        self.steps.append(LabelledStep(self.setting.problem.agent_of(action).name, action, label))
+
+    def ended(self, ending: Ending) -> Episode:
+        notes = {"participant": asdict(self.participant), "ending": ending.value}
+        trace = Trace(
+            self.setting.problem, tuple(self.steps), self.participant.name, "simulated", notes=notes
+        )
+        return Episode(trace, ending)
+
+
+def assign(num_problems: int, num_traces: int, *, games_each: int = 4) -> list[tuple[int, int]]:
+    """Spread games evenly over problems and participants.
+
+    Returns
+    -------
+    list of (problem, participant)
+        Both counted from 0. Each problem is played as often as any other, give or take one; nobody plays a
+        problem twice.
+
+    Examples
+    --------
+    >>> assign(3, 5, games_each=2)
+    [(0, 0), (1, 0), (2, 1), (0, 1), (1, 2)]
+    """
+    if num_problems < 1 or num_traces < 1 or games_each < 1:
+        raise UsageError("problems, traces and games for each participant must be at least one each")
+    games_each = min(games_each, num_problems)
+    return [(game % num_problems, game // games_each) for game in range(num_traces)]
+
+
+def simulate_study(
+    problems: Mapping[str, TeamProblem],
+    family: Family,
+    *,
+    num_traces: int = 34,
+    seed: int = 0,
+    way: Way = "commanded",
+) -> list[Episode]:
+    """Play a whole study: participants of one family, each of whom plays a few of the problems.
+
+    The paper collected 34 traces on 16 problems.
+
+    Parameters
+    ----------
+    problems
+        By the name that their traces get.
+    family
+        From which the participants are drawn.
+    seed
+        The same seed gives the same traces.
+
+    Returns
+    -------
+    list of Episode
+        Problem by problem in turn. Each trace notes the participant's parameters and how the game ended.
+    """
+    import numpy as np
+
+    settings = [(name, prepare(problem)) for name, problem in problems.items()]
+    episodes = []
+    for game, (place, number) in enumerate(assign(len(settings), num_traces)):
+        name, setting = settings[place]
+        participant = family.draw(number + 1, np.random.default_rng((seed, 0, number)))
+        episode = simulate(setting, participant, np.random.default_rng((seed, 1, game)), way=way)
+        episodes.append(replace(episode, trace=replace(episode.trace, name=name)))
+    return episodes

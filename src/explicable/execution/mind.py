@@ -1,0 +1,237 @@
+"""What a simulated participant believes, and how it judges, learns and chooses by that.
+
+A `Mind` is a value; every function here returns a new one. Chance comes from the generator handed in.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from explicable.execution.outlook import Outlook, Request
+from explicable.execution.participants import Participant
+from explicable.execution.setting import Setting
+from explicable.model.problem import GroundAtom
+from explicable.model.task import State
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+@dataclass(frozen=True, slots=True)
+class Mind:
+    """A participant's view of a game under way.
+
+    Parameters
+    ----------
+    state
+        The state that the participant takes the game to be in.
+    requests
+        What it has asked for and not got, the latest last.
+    tried
+        The human steps by which it has asked since a request was last fulfilled; it does not go back to them.
+    inferred
+        Facts, with their truth values, that it has worked out from what the robot avoided, and may forget.
+    """
+
+    state: State
+    requests: tuple[Request, ...] = ()
+    tried: frozenset[GroundAtom] = frozenset()
+    inferred: tuple[tuple[GroundAtom, bool], ...] = ()
+
+    @property
+    def request(self) -> Request | None:
+        """The last thing asked for and not got: what the robot is taken to be after."""
+        return self.requests[-1] if self.requests else None
+
+
+def regret(outlook: Outlook, participant: Participant, mind: Mind, action: GroundAtom) -> float:
+    """Return what a robot step costs more than the best way that the participant believes in.
+
+    ``cost(step) + V(state after) - V(state)``, V being the cost-to-go to the participant's horizon. Infinite
+    for a step believed impossible; 0 where the participant sees no way at all.
+    """
+    operator = outlook.operator(mind.state, action)
+    if operator is None:
+        return math.inf
+    request = mind.request
+    before = _cost_to_go(outlook, participant, mind.state, request)
+    if before == math.inf:
+        return 0.0
+    cost = outlook.task.cost(operator)
+    if participant.horizon == "request" and request is not None and action in request.fulfilled_by:
+        return cost - before
+    after = outlook.task.successor(mind.state, operator)
+    return cost + _cost_to_go(outlook, participant, after, request) - before
+
+
+def _cost_to_go(outlook: Outlook, participant: Participant, state: State, request: Request | None) -> float:
+    if participant.horizon == "mission":
+        return outlook.mission_cost(state)
+    if request is not None:
+        return outlook.fulfilment_cost(state, request)
+    if not participant.initiative:
+        return 0.0  # with nothing asked for, the best the robot can do is wait
+    return min((cost for cost, _ in outlook.ranked_asks(state)), default=outlook.mission_cost(state))
+
+
+def label_step(participant: Participant, step_regret: float, rng: "np.random.Generator") -> bool:
+    """Answer whether a robot step was explicable, by its regret.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> label_step(Participant("simulated-1", slack=1.0), 2.0, np.random.default_rng(0))
+    False
+    """
+    if participant.judgement == "boltzmann":
+        # p(step) / p(best) = exp(-regret / T): the softmax's normaliser cancels.
+        explicable = bool(rng.random() < math.exp(-max(step_regret, 0.0) / participant.temperature))
+    else:
+        explicable = step_regret <= participant.slack
+    return explicable != (rng.random() < participant.noise)
+
+
+def watch(setting: Setting, mind: Mind, action: GroundAtom, before: State, after: State) -> Mind:
+    """Return the mind after it saw a step happen, from ``before`` to ``after`` in the truth.
+
+    A step believed impossible shows that the facts it needed hold; one with unexpected effects shows the
+    effects.
+    """
+    belief, state = setting.belief, mind.state
+    operator = belief.operator(state, action)
+    if operator is None:
+        state = _concede(setting, state, action, before)
+        operator = belief.operator(state, action)
+    if operator is not None:
+        state = belief.task.successor(state, operator)
+    if operator is None or not setting.same_schemas:
+        state = _take_in(setting, state, before, after)
+    asked = belief.requests.get(action)
+    fulfilled = any(action in request.fulfilled_by for request in mind.requests)
+    requests = [request for request in mind.requests if action not in request.fulfilled_by]
+    if asked is not None:
+        requests = [*(request for request in requests if request != asked), asked]
+    return replace(
+        mind,
+        state=state,
+        requests=tuple(request for request in requests if belief.stands(state, request)),
+        tried=frozenset() if fulfilled else mind.tried | ({action} if asked else frozenset()),
+    )
+
+
+def give_up(mind: Mind, request: Request) -> Mind:
+    """Return the mind after it was told that a request can't be fulfilled."""
+    return replace(mind, requests=tuple(other for other in mind.requests if other != request))
+
+
+def _concede(setting: Setting, state: State, action: GroundAtom, truth: State) -> State:
+    """Take over those differing facts which a step seen to happen must have needed."""
+    belief = setting.belief
+    for operator in belief.task.operators_of(action):
+        for atom, value in belief.stage.needs(operator):
+            if setting.truth.task.holds(atom, truth) == value:
+                state = belief.stage.believe(state, atom, true=value)
+    return state
+
+
+def _take_in(setting: Setting, state: State, before: State, after: State) -> State:
+    """Take over what a step really changed."""
+    truth, belief = setting.truth.task, setting.belief.task
+    old, new = truth.atoms(before), truth.atoms(after)
+    believed = belief.atoms(state)
+    # One atom a variable: what is seen drives out what it excludes.
+    values = {}
+    for atom in (*(believed - (old - new)), *(new - old)):
+        fact = belief.fact_number(atom)
+        if fact is not None:
+            values[belief.core.fact_variable(fact)] = atom
+    return belief.state_of(values.values())
+
+
+def infer(
+    setting: Setting, participant: Participant, mind: Mind, truth: State, rng: "np.random.Generator"
+) -> Mind:
+    """Return the mind after the robot avoided the way believed best, seen from the state before its step.
+
+    The first fact on that way that the truth denies is worked out with the participant's probability to
+    learn. A participant never learns what is not so.
+    """
+    way = _best_way(setting.belief, participant, mind)
+    for operator in way or ():
+        for atom, value in setting.belief.stage.needs(operator):
+            if setting.truth.task.holds(atom, truth) != value:
+                if rng.random() >= participant.learning:
+                    return mind
+                state = setting.belief.stage.believe(mind.state, atom, true=not value)
+                return replace(mind, state=state, inferred=(*mind.inferred, (atom, not value)))
+    return mind
+
+
+def _best_way(outlook: Outlook, participant: Participant, mind: Mind) -> tuple[int, ...] | None:
+    if participant.horizon == "mission":
+        return outlook.mission_way(mind.state)
+    return outlook.fulfilment_way(mind.state, mind.request) if mind.request else None
+
+
+def forget(setting: Setting, participant: Participant, mind: Mind, rng: "np.random.Generator") -> Mind:
+    """Return the mind after a moment in which each inferred fact may have been forgotten."""
+    kept, state = [], mind.state
+    for atom, value in mind.inferred:
+        if rng.random() < participant.memory:
+            kept.append((atom, value))
+        else:
+            state = setting.belief.stage.believe(state, atom, true=not value)
+    return mind if len(kept) == len(mind.inferred) else replace(mind, state=state, inferred=tuple(kept))
+
+
+def choose(
+    setting: Setting,
+    participant: Participant,
+    mind: Mind,
+    rng: "np.random.Generator",
+    refused: frozenset[GroundAtom] = frozenset(),
+) -> GroundAtom | None:
+    """Return the human step that the participant takes now, or None to let the robot go on.
+
+    With a request under way, a new one is made only if it looks strictly better than to see the old one
+    through, and none that has been tried since something was last fulfilled: so a game can't swing to and fro
+    for ever. Among equally good ones chance decides. Where there is nothing to ask for, the participant does
+    its own next step of the best joint way that it sees.
+    """
+    belief, current = setting.belief, mind.request
+    ranked = []
+    for asking_cost, operator in belief.ranked_asks(mind.state):
+        action = belief.task.action(operator)
+        if action not in mind.tried and action not in refused:
+            cost = asking_cost
+            if participant.horizon == "mission":
+                asked = belief.task.successor(mind.state, operator)
+                see_through = _cost_to_see_through(belief, participant, asked, belief.requests[action])
+                cost = belief.task.cost(operator) + see_through
+            ranked.append((cost, action))
+    best = min((cost for cost, _ in ranked), default=math.inf)
+    if current is not None and best >= _cost_to_see_through(belief, participant, mind.state, current):
+        return None
+    if ranked:
+        equals = [action for cost, action in ranked if cost == best]
+        return equals[int(rng.integers(len(equals)))]
+    return None if current is not None else _own_step(setting, mind, refused)
+
+
+def _cost_to_see_through(belief: Outlook, participant: Participant, state: State, request: Request) -> float:
+    """Return what it costs to let a request be fulfilled, and on a mission to finish after that."""
+    cost = belief.fulfilment_cost(state, request)
+    if participant.horizon == "mission" and cost < math.inf:
+        for operator in belief.fulfilment_way(state, request) or ():
+            state = belief.task.successor(state, operator)
+        cost += belief.mission_cost(state)
+    return cost
+
+
+def _own_step(setting: Setting, mind: Mind, refused: frozenset[GroundAtom]) -> GroundAtom | None:
+    way = setting.belief.mission_way(mind.state)
+    if not way:
+        return None
+    action = setting.belief.task.action(way[0])
+    human = setting.problem.agent_of(action).kind == "human"
+    return action if human and action not in refused else None

@@ -1,0 +1,188 @@
+"""What can be expected of a state: exact costs of fulfilling requests and of finishing the mission."""
+
+import math
+from dataclasses import dataclass
+
+from explicable.execution.stage import Stage
+from explicable.model.problem import GroundAtom
+from explicable.model.task import State, Task
+from explicable.model.team import TeamProblem
+from explicable.search import search
+
+Goal = tuple[int, ...]
+
+_NONE = -1  # no operator: at the goal, or no way there
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What a human step asks for.
+
+    Parameters
+    ----------
+    action
+        The human step.
+    permits
+        The atoms by which it asks; once they are all gone, the request is withdrawn.
+    fulfilled_by
+        The robots' actions of which one fulfils it.
+    """
+
+    action: GroundAtom
+    permits: frozenset[GroundAtom]
+    fulfilled_by: frozenset[GroundAtom]
+
+
+class Outlook:
+    """Costs-to-go on one stage, each computed by A* once and remembered with the whole way found.
+
+    Every state on an optimal way has its own optimal rest, so one search answers for all of them; an episode
+    that keeps to the ways expected hardly ever searches.
+
+    Attributes
+    ----------
+    requests
+        What each human step asks for, by the step; steps that ask for nothing are not in it.
+    """
+
+    def __init__(self, problem: TeamProblem, stage: Stage) -> None:
+        self.problem = problem
+        self.stage = stage
+        self.task = stage.task
+        self._known: dict[tuple[State, Goal], tuple[float, int]] = {}
+        self.requests = find_requests(problem, stage.task)
+
+    def operator(self, state: State, action: GroundAtom) -> int | None:
+        """Return the operator by which an action can be executed here, if it can."""
+        operators = self.task.operators_of(action)
+        return next((o for o in operators if self.task.is_applicable(state, o)), None)
+
+    def stands(self, state: State, request: Request) -> bool:
+        """Tell whether a request has not been withdrawn."""
+        return any(self.task.holds(atom, state) for atom in request.permits)
+
+    def useful_asks(self, state: State) -> list[int]:
+        """List the human operators that are applicable here and ask for something the goal still lacks."""
+        task = self.task
+        lacking = {fact for fact in task.goal if not task.core.holds(state, [fact])}
+        asks = []
+        for operator in task.applicable(state):
+            request = self.requests.get(task.action(operator))
+            if request and any(
+                not lacking.isdisjoint(task.core.adds(wanted))
+                for action in request.fulfilled_by
+                for wanted in task.operators_of(action)
+            ):
+                asks.append(operator)
+        return asks
+
+    def ranked_asks(self, state: State) -> list[tuple[float, int]]:
+        """Rank the useful asks by what asking and fulfilling cost together."""
+        ranked = []
+        for operator in self.useful_asks(state):
+            request = self.requests[self.task.action(operator)]
+            asked = self.task.successor(state, operator)
+            ranked.append((self.task.cost(operator) + self.fulfilment_cost(asked, request), operator))
+        return sorted(ranked)
+
+    def fulfilment_cost(self, state: State, request: Request) -> float:
+        """Return what it costs the robots alone to fulfil a request, the fulfilling step included."""
+        return self._fulfilment(state, request)[0]
+
+    def fulfilment_way(self, state: State, request: Request) -> tuple[int, ...] | None:
+        """Return a best way for the robots alone to fulfil a request."""
+        cost, wanted = self._fulfilment(state, request)
+        if cost == math.inf:
+            return None
+        return (*self._way(self.stage.robots_alone(state), self._needs(wanted)), wanted)
+
+    def way_after_asking(self, state: State, ask: int) -> tuple[int, ...] | None:
+        """Return a best way for the robots to fulfil what a human operator asks for, once it is asked."""
+        asked = self.task.successor(state, ask)
+        return self.fulfilment_way(asked, self.requests[self.task.action(ask)])
+
+    def mission_cost(self, state: State) -> float:
+        """Return what it costs the team to reach its goal."""
+        return self._cost(self.stage.with_humans(state), self.task.goal)
+
+    def mission_way(self, state: State) -> tuple[int, ...] | None:
+        """Return a best way for the team to reach its goal."""
+        start = self.stage.with_humans(state)
+        return None if self._cost(start, self.task.goal) == math.inf else self._way(start, self.task.goal)
+
+    def _fulfilment(self, state: State, request: Request) -> tuple[float, int]:
+        alone = self.stage.robots_alone(state)
+        return min(
+            (
+                (self._cost(alone, self._needs(wanted)) + self.task.cost(wanted), wanted)
+                for action in request.fulfilled_by
+                for wanted in self.task.operators_of(action)
+            ),
+            default=(math.inf, _NONE),
+        )
+
+    def _needs(self, operator: int) -> Goal:
+        return tuple(self.task.core.preconditions(operator))
+
+    def _cost(self, state: State, goal: Goal) -> float:
+        if (state, goal) not in self._known:
+            self._explore(state, goal)
+        return self._known[state, goal][0]
+
+    def _way(self, state: State, goal: Goal) -> tuple[int, ...]:
+        way = []
+        while (operator := self._known[state, goal][1]) != _NONE:
+            way.append(operator)
+            state = self.task.successor(state, operator)
+        return tuple(way)
+
+    def _explore(self, state: State, goal: Goal) -> None:
+        result = search(self.task, "astar", initial_state=state, goal=goal)
+        if result.operators is None or result.cost is None:
+            self._known[state, goal] = (math.inf, _NONE)
+            return
+        remaining = result.cost
+        for operator in result.operators:
+            # What is known stays, so that following the first operators always ends at the goal.
+            self._known.setdefault((state, goal), (remaining, operator))
+            remaining -= self.task.cost(operator)
+            state = self.task.successor(state, operator)
+        self._known.setdefault((state, goal), (remaining, _NONE))
+
+
+def find_requests(problem: TeamProblem, task: Task) -> dict[GroundAtom, Request]:
+    """Find what each human step asks for (architecture page, "Who acts").
+
+    It asks for the robot operators with a precondition that names an object and that this human step adds,
+    but no human step with other arguments. The human who says it is not one of the arguments that matter.
+    """
+    human = {
+        operator
+        for operator in range(task.num_operators)
+        if problem.agent_of(task.action(operator)).kind == "human"
+    }
+    content: dict[int, set[GroundAtom]] = {}
+    for operator in human:
+        schema, _, *arguments = task.action(operator)
+        for fact in task.core.adds(operator):
+            content.setdefault(fact, set()).add((schema, *arguments))
+    permits = {
+        fact
+        for fact, said in content.items()
+        if len(said) == 1 and len(task.fact(fact)) > 1 and task.fact(fact)[0] != "not"
+    }
+    wanted: dict[int, set[int]] = {}
+    for operator in set(range(task.num_operators)) - human:
+        for fact in permits.intersection(task.core.preconditions(operator)):
+            wanted.setdefault(fact, set()).add(operator)
+    requests = {}
+    for operator in human:
+        facts = [fact for fact in task.core.adds(operator) if fact in wanted]
+        if facts:
+            action = task.action(operator)
+            requests[action] = Request(
+                action=action,
+                permits=frozenset(task.fact(fact) for fact in facts),
+                fulfilled_by=frozenset(task.action(o) for fact in facts for o in wanted[fact]),
+            )
+    return requests

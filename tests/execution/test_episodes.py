@@ -1,0 +1,107 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from hospital import hospital
+
+from explicable.errors import PlanError, UsageError
+from explicable.execution.episodes import Ending, assign, judge, simulate, simulate_study
+from explicable.execution.participants import Participant, builtin_families
+from explicable.execution.setting import prepare
+from explicable.first_response import builtin_maps, encode, generate
+from explicable.model.grounding import ground_team
+
+FAMILIES = builtin_families()
+
+
+@pytest.mark.parametrize("semantics", ["exclusive", "persistent"])
+@pytest.mark.parametrize("way", ["commanded", "autonomous"])
+@pytest.mark.parametrize("family", FAMILIES.values(), ids=FAMILIES)
+def test_games_on_random_maps_reach_the_goal_by_legal_steps(semantics, way, family):
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        problem = encode(generate(rng), semantics)
+        participant = dataclasses.replace(family.draw(1, rng), initiative=way == "autonomous", readiness=0.5)
+        episode = simulate(prepare(problem), participant, rng, way=way)
+        assert episode.ending is Ending.REACHED
+        task = ground_team(problem).task
+        execution = task.execute([step.action for step in episode.trace.steps])
+        assert task.is_goal(execution.states[-1])
+        for step in episode.trace.steps:
+            agent = problem.agent_of(step.action)
+            assert step.agent == agent.name
+            assert (step.label is None) == (agent.kind == "human")
+
+
+def test_games_without_a_grid_reach_the_goal():
+    setting = prepare(hospital())
+    for horizon in ("request", "mission"):
+        for seed in range(10):
+            participant = Participant("simulated-1", horizon=horizon, learning=0.5, memory=0.8, readiness=0.5)
+            episode = simulate(setting, participant, np.random.default_rng(seed))
+            assert episode.ending is Ending.REACHED
+
+
+def test_the_same_seed_gives_the_same_traces():
+    maps = {name: encode(world, "exclusive") for name, world in list(builtin_maps().items())[:4]}
+    first, again, other = (
+        [episode.trace.steps for episode in simulate_study(maps, FAMILIES["myopic"], num_traces=6, seed=seed)]
+        for seed in (3, 3, 4)
+    )
+    assert first == again != other
+
+
+def test_what_was_found_out_in_one_game_changes_no_other():
+    maps = [encode(world, "exclusive") for world in list(builtin_maps().values())[:2]]
+    participant = Participant("simulated-1", learning=0.5, readiness=0.5)
+    shared = [prepare(problem) for problem in maps]
+    for seed in range(3):
+        for problem, setting in zip(maps, shared, strict=True):
+            fresh = simulate(prepare(problem), participant, np.random.default_rng(seed))
+            assert (
+                fresh.trace.steps == simulate(setting, participant, np.random.default_rng(seed)).trace.steps
+            )
+
+
+def test_judging_a_game_again_gives_its_labels():
+    setting = prepare(encode(builtin_maps()["training-01"], "exclusive"))
+    participant = Participant("simulated-1", learning=1.0)
+    steps = simulate(setting, participant, np.random.default_rng(0)).trace.steps
+    assert judge(setting, participant, [s.action for s in steps], np.random.default_rng(5)) == steps
+
+
+def test_a_plan_that_can_not_be_executed_is_refused():
+    setting = prepare(hospital())
+    with pytest.raises(PlanError, match=r"step 1, \(go robo hall store\)"):
+        judge(
+            setting, Participant("simulated-1"), [("go", "robo", "hall", "store")], np.random.default_rng(0)
+        )
+
+
+def test_a_game_that_goes_nowhere_ends_at_the_step_limit():
+    episode = simulate(prepare(hospital()), Participant("simulated-1"), np.random.default_rng(0), max_steps=2)
+    assert episode.ending is Ending.LIMIT
+    assert len(episode.trace.steps) == 2
+
+
+def test_a_goal_out_of_reach_ends_in_a_stated_failure():
+    problem = hospital()
+    locked = tuple(("locked", a, b) for a in ("hall", "ward", "lab") for b in ("store", "lab"))
+    problem = dataclasses.replace(
+        problem, robot=dataclasses.replace(problem.robot, init=problem.robot.init + locked)
+    )
+    episode = simulate(prepare(problem), Participant("simulated-1", learning=0.5), np.random.default_rng(0))
+    assert episode.ending is Ending.STUCK
+
+
+def test_an_unknown_way_is_misuse():
+    with pytest.raises(UsageError, match="autonomous"):
+        simulate(prepare(hospital()), Participant("simulated-1"), np.random.default_rng(0), way="fast")
+
+
+def test_games_are_spread_evenly():
+    games = assign(16, 34)
+    plays = np.bincount([problem for problem, _ in games])
+    assert plays.min() >= 2
+    assert plays.max() <= 3
+    assert len(set(games)) == 34  # nobody plays a problem twice
