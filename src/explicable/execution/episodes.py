@@ -3,13 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 from explicable.errors import PlanError, UsageError
-from explicable.execution import mind as minds
-from explicable.execution.mind import Mind
 from explicable.execution.outlook import Outlook, Request
 from explicable.execution.participants import Family, Participant
+from explicable.execution.people import Person, SimulatedPerson
 from explicable.execution.setting import Setting, prepare
 from explicable.labelling.traces import LabelledStep, Trace
 from explicable.model.plan import format_action
@@ -47,23 +46,42 @@ def simulate(
     way: Way = "commanded",
     max_steps: int = 1000,
 ) -> Episode:
-    """Play one game as in the study: the participant asks, the robot follows, and each robot step is judged.
+    """Play one game of the study with a simulated participant; see `play`.
+
+    It knows how the robot plays: in autonomous play it expects initiative. All chance comes from ``rng``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from explicable.execution import prepare
+    >>> from explicable.first_response import World, encode
+    >>> setting = prepare(encode(World(("@x*", "...")), "exclusive"))
+    >>> episode = simulate(setting, Participant("simulated-1"), np.random.default_rng(0))
+    >>> [step.label for step in episode.trace.steps]
+    [None, False, True, True, True, True]
+    """
+    participant = replace(participant, initiative=participant.initiative or way == "autonomous")
+    episode = play(setting, SimulatedPerson(setting, participant, rng), way=way, max_steps=max_steps)
+    notes = {"participant": asdict(participant), **episode.trace.notes}
+    return replace(episode, trace=replace(episode.trace, notes=notes))
+
+
+def play(setting: Setting, person: Person, *, way: Way = "commanded", max_steps: int = 1000) -> Episode:
+    """Play one game as in the study: the person asks, the robot follows, and each robot step is judged.
 
     The robot takes a shortest way, in the truth, to what was last asked for. After each of its steps the
-    participant says whether it made sense, by its beliefs before the step, and may ask for something else. A
-    request that the robot sees no way to fulfil is refused once and for all.
+    person says whether it made sense, and may ask for something else. A request that the robot sees no way
+    to fulfil is refused once and for all.
 
     Parameters
     ----------
     setting
         The team problem, prepared by `prepare`.
-    participant
+    person
         Who judges and asks.
-    rng
-        All chance in the game comes from here.
     way
-        ``commanded``: the robot waits until something is asked for. ``autonomous``: it heads for what can be
-        had soonest, and the participant may be silent for as long as the robot gets on.
+        ``commanded``: the robot waits until something is asked for. ``autonomous``: it heads for what can
+        be had soonest, and the person may be silent for as long as the robot gets on.
     max_steps
         Most steps of the whole team.
 
@@ -72,31 +90,30 @@ def simulate(
     Episode
         It always ends; how, it says.
     """
-    if way not in ("commanded", "autonomous"):
-        raise UsageError(f"way must be commanded or autonomous, not {way!r}")
-    game = _Game(setting, participant, rng)
-    truth, refused, may_think = setting.truth, frozenset[GroundAtom](), False
-    while not truth.task.is_goal(game.state):
+    if way not in get_args(Way):
+        raise UsageError(f"way must be one of {', '.join(get_args(Way))}, not {way!r}")
+    game = Game(setting, person)
+    refused, robot_moved = frozenset[GroundAtom](), False
+    while not game.is_over:
         if len(game.steps) >= max_steps:
             return game.ended(Ending.LIMIT)
-        request = game.mind.request
-        robot_action = follow(truth, game.state, request, way)
+        request = person.request
+        robot_action = follow(setting.truth, game.state, request, way)
         must_ask = request is None and (robot_action is None or way == "commanded")
-        if must_ask or (may_think and rng.random() < participant.readiness):
-            asked = minds.choose(setting, participant, game.mind, rng, refused)
-            if asked is not None and truth.operator(game.state, asked) is None:
+        thinks_over = robot_moved and person.thinks_over()
+        asked = person.choose(refused) if must_ask or thinks_over else None
+        robot_moved = False
+        if asked is not None:
+            if game.allows(asked):
+                game.take(asked)
+            else:
                 refused |= {asked}
-                continue
-            if asked is not None:
-                game.human_step(asked)
-                may_think = False
-                continue
-        if robot_action is not None:
-            game.robot_step(robot_action)
-            may_think = True
+        elif robot_action is not None:
+            game.take(robot_action)
+            robot_moved = True
         elif request is not None:
             refused |= {request.action}
-            game.mind = minds.give_up(game.mind, request)
+            person.give_up(request)
         else:
             return game.ended(Ending.STUCK)
     return game.ended(Ending.REACHED)
@@ -131,49 +148,52 @@ def judge(
     PlanError
         If a step can't be executed in the truth; the message gives its number.
     """
-    game = _Game(setting, participant, rng)
+    game = Game(setting, SimulatedPerson(setting, participant, rng))
     for action in actions:
-        if setting.problem.agent_of(action).kind == "human":
-            game.human_step(action)
-        else:
-            game.robot_step(action)
+        game.take(action)
     return tuple(game.steps)
 
 
-class _Game:
-    """The one mutable thing: the truth, the participant's mind, and the steps so far."""
+class Game:
+    """A game under way: the true state, the person, and the steps so far."""
 
-    def __init__(self, setting: Setting, participant: Participant, rng: "np.random.Generator") -> None:
-        self.setting, self.participant, self.rng = setting, participant, rng
+    def __init__(self, setting: Setting, person: Person) -> None:
+        self.setting, self.person = setting, person
         self.state = setting.truth.task.initial_state
-        self.mind = Mind(setting.belief.task.initial_state)
         self.steps: list[LabelledStep] = []
 
-    def human_step(self, action: GroundAtom) -> None:
-        self._execute(action, None)
+    @property
+    def is_over(self) -> bool:
+        """Whether the goal is reached."""
+        return self.setting.truth.task.is_goal(self.state)
 
-    def robot_step(self, action: GroundAtom) -> None:
-        regret = minds.regret(self.setting.belief, self.participant, self.mind, action)
-        label = minds.label_step(self.participant, regret, self.rng)
-        if regret > 0:
-            self.mind = minds.infer(self.setting, self.participant, self.mind, self.state, self.rng)
-        self._execute(action, label)
-        self.mind = minds.forget(self.setting, self.participant, self.mind, self.rng)
+    def allows(self, action: GroundAtom) -> bool:
+        """Whether an action can be executed now."""
+        return self.setting.truth.operator(self.state, action) is not None
 
-    def _execute(self, action: GroundAtom, label: bool | None) -> None:
+    def take(self, action: GroundAtom) -> None:
+        """Execute a step of any agent; the person judges it if it is a robot's, and sees it.
+
+        Raises
+        ------
+        PlanError
+            If it can't be executed; the message gives the step's number. Nothing has changed then.
+        """
         truth = self.setting.truth
         operator = truth.operator(self.state, action)
         if operator is None:
             raise PlanError(f"step {len(self.steps) + 1}, {format_action(action)}, can't be executed there")
-        after = truth.task.successor(self.state, operator)
-        self.mind = minds.watch(self.setting, self.mind, action, self.state, after)
+        agent, after = self.setting.problem.agent_of(action), truth.task.successor(self.state, operator)
+        label = self.person.judge(action, self.state) if agent.kind == "robot" else None
+        self.person.watch(action, self.state, after)
         self.state = after
-        self.steps.append(LabelledStep(self.setting.problem.agent_of(action).name, action, label))
+        self.steps.append(LabelledStep(agent.name, action, label))
 
     def ended(self, ending: Ending) -> Episode:
-        notes = {"participant": asdict(self.participant), "ending": ending.value}
+        """Close the game."""
+        notes = {"ending": ending.value}
         trace = Trace(
-            self.setting.problem, tuple(self.steps), self.participant.name, "simulated", notes=notes
+            self.setting.problem, tuple(self.steps), self.person.name, self.person.origin, notes=notes
         )
         return Episode(trace, ending)
 

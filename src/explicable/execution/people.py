@@ -1,0 +1,138 @@
+"""Who sits at the other end of a game: a simulated participant, or a script for tests."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Protocol
+
+from explicable.execution import mind as minds
+from explicable.execution.mind import Mind
+from explicable.execution.outlook import Request
+from explicable.execution.participants import Participant
+from explicable.execution.setting import Setting
+from explicable.labelling.traces import Origin
+from explicable.model.problem import GroundAtom
+from explicable.model.task import State
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+class Person(Protocol):
+    """What a game asks of a person; states are those of the truth."""
+
+    @property
+    def name(self) -> str:
+        """Under which the labels go into traces."""
+
+    @property
+    def origin(self) -> Origin:
+        """Whether the labels are those of a real person."""
+
+    @property
+    def request(self) -> Request | None:
+        """The last thing asked for and not got."""
+
+    def thinks_over(self) -> bool:
+        """Tell whether the person thinks, of its own accord, about doing something now."""
+
+    def choose(self, refused: frozenset[GroundAtom]) -> GroundAtom | None:
+        """Choose a human step, none of those refused, or None to let the robot go on."""
+
+    def judge(self, action: GroundAtom, state: State) -> bool | None:
+        """Say whether the robot step that is taken in this state makes sense; None for no answer."""
+
+    def watch(self, action: GroundAtom, before: State, after: State) -> None:
+        """See a step of anybody happen."""
+
+    def give_up(self, request: Request) -> None:
+        """Be told that a request can't be fulfilled."""
+
+
+class _Watcher:
+    """What all people made of software do alike: keep a mind up to date."""
+
+    def __init__(self, name: str, setting: Setting) -> None:
+        self.name = name
+        self.origin: Origin = "simulated"
+        self.setting = setting
+        self.mind = Mind(setting.belief.task.initial_state)
+
+    @property
+    def request(self) -> Request | None:
+        return self.mind.request
+
+    def watch(self, action: GroundAtom, before: State, after: State) -> None:
+        self.mind = minds.watch(self.setting, self.mind, action, before, after)
+
+    def give_up(self, request: Request) -> None:
+        self.mind = minds.give_up(self.mind, request)
+
+
+class SimulatedPerson(_Watcher):
+    """A simulated participant at play: a test instrument.
+
+    Parameters
+    ----------
+    setting
+        Where the game is played.
+    participant
+        Its parameters.
+    rng
+        All its chance comes from here.
+    """
+
+    def __init__(self, setting: Setting, participant: Participant, rng: "np.random.Generator") -> None:
+        super().__init__(participant.name, setting)
+        self.participant = participant
+        self.rng = rng
+
+    def thinks_over(self) -> bool:
+        """Tell so with the probability of the participant's readiness."""
+        return bool(self.rng.random() < self.participant.readiness)
+
+    def choose(self, refused: frozenset[GroundAtom]) -> GroundAtom | None:
+        """See `explicable.execution.mind.choose`."""
+        return minds.choose(self.setting, self.participant, self.mind, self.rng, refused)
+
+    def judge(self, action: GroundAtom, state: State) -> bool | None:
+        """Answer by the beliefs before the step, then perhaps learn from it."""
+        self.mind = minds.forget(self.setting, self.participant, self.mind, self.rng)
+        regret = minds.regret(self.setting.belief, self.participant, self.mind, action)
+        if regret > 0:
+            self.mind = minds.infer(self.setting, self.participant, self.mind, state, self.rng)
+        return minds.label_step(self.participant, regret, self.rng)
+
+
+class ScriptedPerson(_Watcher):
+    """A person for tests: takes written steps in their order, one whenever it is asked to choose.
+
+    Parameters
+    ----------
+    setting
+        Where the game is played.
+    script
+        Human steps; None lets the robot go on once. After the last it only watches.
+    answer
+        What it says of a robot step; by default that each is explicable.
+    """
+
+    def __init__(
+        self,
+        setting: Setting,
+        script: Sequence[GroundAtom | None],
+        answer: Callable[[GroundAtom], bool | None] = lambda _: True,
+    ) -> None:
+        super().__init__("scripted", setting)
+        self._steps = list(reversed(script))
+        self._answer = answer
+
+    def thinks_over(self) -> bool:
+        """Never: it acts when asked."""
+        return False
+
+    def choose(self, refused: frozenset[GroundAtom]) -> GroundAtom | None:  # noqa: ARG002
+        """Take the next step of the script."""
+        return self._steps.pop() if self._steps else None
+
+    def judge(self, action: GroundAtom, state: State) -> bool | None:  # noqa: ARG002
+        """Give the answer that was written."""
+        return self._answer(action)
