@@ -92,9 +92,9 @@ TABLE: Mapping[tuple[State, Event], Transition] = MappingProxyType(
         (State.ACTING, Event.ANSWER_GIVEN): (State.ACTING, (Command.RECORD_ANSWER,)),
         (State.ACTING, Event.TIME_UP): (State.FAILED, (Command.CANCEL_STEP,)),
         (State.ACTING, Event.ABORT): (State.ABORTED, (Command.CANCEL_STEP,)),
-        # The plan predicts a step of the person.
+        # The plan predicts a step of the person. If it does not come, planning again would predict it again.
         (State.LISTENING, Event.PERSON_ACTED): (State.DECIDING, (Command.TAKE_PERSON_STEP,)),
-        (State.LISTENING, Event.PERSON_IDLE): (State.PLANNING, (Command.REQUEST_PLAN,)),
+        (State.LISTENING, Event.PERSON_IDLE): (State.DECIDING, (Command.ADOPT_SAFE_PLAN,)),
         (State.LISTENING, Event.FACT_OBSERVED): (State.DECIDING, (Command.TAKE_FACT,)),
         (State.LISTENING, Event.ANSWER_GIVEN): (State.LISTENING, (Command.RECORD_ANSWER,)),
         (State.LISTENING, Event.TIME_UP): (State.FAILED, ()),
