@@ -41,7 +41,7 @@ def test_scikit_learn_clones_cross_validates_and_searches(data):
     X, y = data
     crf = ConditionalRandomField(c2=0.1)
     assert clone(crf).get_params() == crf.get_params()
-    assert cross_val_score(crf, X, y, cv=4).mean() > 0.6
+    assert cross_val_score(crf, X, y, cv=4, params={"sample_weight": np.ones(len(X))}).mean() > 0.6
     search = GridSearchCV(crf, {"c2": [0.01, 1.0], "c1": [0.0, 0.5]}, cv=3).fit(X, y)
     assert search.best_estimator_.score(X, y) > 0.6
 
@@ -204,6 +204,8 @@ def test_misuse_of_a_model_is_refused(data):
         crf.predict_counts([[["a"]]], empty="x")
     with pytest.raises(UsageError, match="one flag for each position"):
         crf.predict_counts([[["a"]]], empty=True, counted=[[1, 1]])
+    with pytest.raises(UsageError, match="one label, or None"):
+        crf.score([[["a"]]], [[True, False]])
     with pytest.raises(UsageError, match="no labelled position"):
         crf.score([[["a"]]], [[None]])
 

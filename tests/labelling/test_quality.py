@@ -48,3 +48,5 @@ def test_error_of_expected_scores_leaves_out_plans_without_steps():
         expected_score_error([human], [human])
     with pytest.raises(UsageError):
         expected_score_error([robots], [best], "num_steps")
+    with pytest.raises(UsageError):
+        expected_score_error([robots], [])

@@ -277,16 +277,19 @@ class ConditionalRandomField:
     ) -> float:
         """Return the fraction of labelled positions that `predict` gets right."""
         predicted = self.predict(X)
+        answers = [list(row) for row in y]
+        if [len(row) for row in answers] != [len(row) for row in predicted]:
+            raise UsageError("there must be one label, or None, for each position of each sequence")
         weights = check_sample_weight(sample_weight, len(predicted))
         right = total = 0.0
-        for weight, guesses, truths in zip(weights, predicted, y, strict=True):
+        for weight, guesses, truths in zip(weights, predicted, answers, strict=True):
             for guess, truth in zip(guesses, truths, strict=True):
                 if truth is not None:
                     right += weight * (guess == truth)
                     total += weight
         if total == 0:
             raise UsageError("there is no labelled position to score")
-        return right / total
+        return float(right / total)
 
     def log_likelihood(
         self, X: Iterable[FeatureSequence], y: LabelSequences, sample_weight: ArrayLike | None = None

@@ -131,6 +131,8 @@ def expected_score_error(
     """
     if part not in {"paper", "robot", "asked"}:
         raise UsageError(f"steps that count are those of paper, robot or asked, not {part!r}")
+    if len(predicted) != len(observed):
+        raise UsageError("predicted and observed scores must be of the same plans")
     pairs = [
         (getattr(one, part).expected, getattr(other, part).expected)
         for one, other in zip(predicted, observed, strict=True)
