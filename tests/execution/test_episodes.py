@@ -43,7 +43,7 @@ def test_games_without_a_grid_reach_the_goal():
 
 
 def test_the_same_seed_gives_the_same_traces():
-    maps = {name: encode(world, "exclusive") for name, world in list(builtin_maps().items())[:4]}
+    maps = [encode(world, "exclusive") for world in list(builtin_maps().values())[:4]]
     first, again, other = (
         [episode.trace.steps for episode in simulate_study(maps, FAMILIES["myopic"], num_traces=6, seed=seed)]
         for seed in (3, 3, 4)
@@ -92,6 +92,19 @@ def test_a_goal_out_of_reach_ends_in_a_stated_failure():
     )
     episode = simulate(prepare(problem), Participant("simulated-1", learning=0.5), np.random.default_rng(0))
     assert episode.ending is Ending.STUCK
+
+
+def test_traces_say_who_played_what_and_how_it_ended():
+    maps = [encode(world, "exclusive") for world in list(builtin_maps().values())[:2]]
+    episodes = simulate_study(maps, FAMILIES["mission"], num_traces=3, names=["a", "b"])
+    assert [episode.trace.name for episode in episodes] == ["a", "b", "a"]
+    for episode in episodes:
+        assert episode.trace.origin == "simulated"
+        assert episode.trace.annotator.startswith("simulated-mission-")
+        assert episode.trace.notes["ending"] == "goal reached"
+        assert episode.trace.notes["participant"]["horizon"] == "mission"
+    with pytest.raises(UsageError, match="1 names for 2 problems"):
+        simulate_study(maps, FAMILIES["mission"], names=["a"])
 
 
 def test_an_unknown_way_is_misuse():

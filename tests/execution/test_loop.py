@@ -120,10 +120,10 @@ def test_a_run_stops_at_the_step_limit(setting):
     assert played.episode.ending is Ending.LIMIT
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(
     seed=st.integers(0, 5),
-    robot=st.lists(st.booleans(), min_size=1, max_size=6),
+    robot=st.lists(st.booleans(), min_size=1, max_size=3),
     failing=st.lists(st.booleans(), min_size=1, max_size=4),
     readiness=st.sampled_from([0.0, 0.5, 1.0]),
     semantics=st.sampled_from(["exclusive", "persistent"]),

@@ -1,6 +1,6 @@
 """The protocol of the study behind the paper, played with simulated participants (method page, section 5)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Literal, get_args
@@ -219,9 +219,10 @@ def assign(num_problems: int, num_traces: int, *, games_each: int = 4) -> list[t
 
 
 def simulate_study(
-    problems: Mapping[str, TeamProblem],
+    problems: Iterable[TeamProblem],
     family: Family,
     *,
+    names: Sequence[str] | None = None,
     num_traces: int = 34,
     seed: int = 0,
     way: Way = "commanded",
@@ -233,9 +234,11 @@ def simulate_study(
     Parameters
     ----------
     problems
-        By the name that their traces get.
+        What is played.
     family
         From which the participants are drawn.
+    names
+        Of the problems, for their traces.
     seed
         The same seed gives the same traces.
 
@@ -246,11 +249,13 @@ def simulate_study(
     """
     import numpy as np
 
-    settings = [(name, prepare(problem)) for name, problem in problems.items()]
+    settings = [prepare(problem) for problem in problems]
+    if names is not None and len(names) != len(settings):
+        raise UsageError(f"{len(names)} names for {len(settings)} problems")
     episodes = []
     for game, (place, number) in enumerate(assign(len(settings), num_traces)):
-        name, setting = settings[place]
         participant = family.draw(number + 1, np.random.default_rng((seed, 0, number)))
-        episode = simulate(setting, participant, np.random.default_rng((seed, 1, game)), way=way)
+        episode = simulate(settings[place], participant, np.random.default_rng((seed, 1, game)), way=way)
+        name = names[place] if names else None
         episodes.append(replace(episode, trace=replace(episode.trace, name=name)))
     return episodes
