@@ -86,6 +86,11 @@ def test_one_label_or_probability_a_step(name):
         render(World(("@*",)), plan=[("command", "person", "c-0-1")] * 2, **{name: [1.0]})
 
 
+def test_views_are_the_robots_and_the_humans():
+    with pytest.raises(UsageError, match="robot or human, not by 'bird'"):
+        render(World(("@*",)), "bird")
+
+
 def test_large_maps_and_teams_stay_of_sensible_size():
     world = generate(np.random.default_rng(0), height=120, width=120, num_marks=30, num_robots=3)
     svg = render(world, "robot", key=True)

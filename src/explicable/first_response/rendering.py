@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from string import ascii_uppercase
+from typing import get_args
 
 from explicable.errors import UsageError
 from explicable.first_response import glyphs
@@ -68,13 +69,15 @@ def render(
     PlanError
         The plan does not fit the map.
     UsageError
-        Not one label or one probability a step.
+        An unknown view, or not one label or one probability a step.
 
     Examples
     --------
     >>> render(World(("@*",)), title="A < B")[:66]
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 -36 240 84" wid'
     """
+    if view not in get_args(View):
+        raise UsageError(f"a map is seen by {' or '.join(get_args(View))}, not by {view!r}")
     actions = plan.actions if isinstance(plan, JointPlan) else tuple(plan or ())
     doubted = _doubted_steps(actions, labels, probabilities)
     routes = trace_routes(world, actions)
