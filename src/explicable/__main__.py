@@ -1,0 +1,6 @@
+"""`python -m explicable` is the command `explicable`."""
+
+from explicable.cli import main
+
+if __name__ == "__main__":
+    main()
