@@ -81,9 +81,8 @@ class Vocabulary:
         One table serves as check and as the shared copy of each name.
         """
         if wanted not in self._members:
-            self._members[wanted] = {
-                name: name for name, types in self.objects.items() if self.belongs(types, wanted)
-            }
+            kinds = {types for types in set(self.objects.values()) if self.belongs(types, wanted)}
+            self._members[wanted] = {name: name for name, types in self.objects.items() if types in kinds}
         return self._members[wanted]
 
     def belongs(self, types: tuple[str, ...], wanted: tuple[str, ...]) -> bool:
