@@ -132,6 +132,10 @@ def test_tokens_need_no_spaces_between_them():
     action = parse_action(":parameters(?x?y):precondition(and(r?x?y)(q c)):effect(not(r?x?y))")
     assert action.precondition == And((Atom("r", ("?x", "?y")), Atom("q", ("c",))))
     assert action.effects == (Effect(Atom("r", ("?x", "?y")), positive=False),)
+    domain = parse_domain(
+        "(define(domain d)(:requirements :typing)(:types a-b -object c -a-b d -(either c a-b)))"
+    )
+    assert domain.types == {"a-b": ("object",), "c": ("a-b",), "d": ("c", "a-b")}
 
 
 @pytest.mark.parametrize(

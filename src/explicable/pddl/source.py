@@ -11,7 +11,8 @@ _LONGEST_MESSAGE = 400
 MAX_NESTING = 200  # far beyond any task; keeps every recursion over formulas away from Python's limit
 
 _COMMENT = re.compile(r";[^\r\n]*+")
-_TOKEN = re.compile(r"\s*+([()]|\?[^\s()?]*+|[^\s()?]++)")  # "fuel-level?a" is two tokens, as in IPC files
+# "fuel-level?a" is two tokens, as in IPC files; so is "-truck", since only numbers begin with a dash.
+_TOKEN = re.compile(r"\s*+([()]|\?[^\s()?]*+|-(?=[^\s()?\d.-])|[^\s()?]++)")
 _BRACKET = re.compile(r"[^()]*+[()]")
 # Most of a task is flat atoms: within sections they are skipped, as many at once as follow each other.
 _BRACKET_AFTER_ATOMS = re.compile(r"(?:[^()]*+\([^():]*+\))*+[^()]*+[()]")
