@@ -57,7 +57,12 @@ BAD_DOMAINS = [
     (
         "(increase (total-cost) 3))))\n",
         "(increase (total-cost) 3))))@)",
-        "text after the end of '(define ...)'",
+        "')' without a '(' before it",
+    ),
+    (
+        "(empty))\n  (:functions",
+        "(empty))) @(:functions",
+        "text after the end of '(define ...)': is there a ')' too many?",
     ),
     # Types.
     ("truck - vehicle)", "@truck - car)", "undeclared type 'car', the parent of 'truck'"),

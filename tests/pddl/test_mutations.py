@@ -5,9 +5,16 @@ import re
 
 import pytest
 
-from explicable.errors import InputError
+from explicable.errors import InputError, PDDLError
 from explicable.model.grounding import ground
-from explicable.pddl import format_domain, format_problem, parse_domain, parse_problem
+from explicable.pddl import (
+    format_domain,
+    format_problem,
+    initial_state,
+    parse_domain,
+    parse_problem,
+    read_domain,
+)
 
 DOMAIN = """\
 ; Everything that the reader knows, in one domain.
@@ -129,3 +136,30 @@ def test_damaged_files_give_a_task_or_an_error():
 @pytest.mark.slow
 def test_a_hundred_thousand_damaged_files_give_a_task_or_an_error():
     check(100_000, seed=2)
+
+
+def test_the_fast_way_through_initial_states_reads_as_the_careful_one(monkeypatch):
+    rng = random.Random(3)  # noqa: S311 (not for secrets)
+    before, _, rest = PROBLEM.partition("(:init")
+    init, _, after = rest.partition("(:goal")
+    texts = [f"{before}(:init{damage(init, rng)}(:goal{after}" for _ in range(250)]
+    fast = [read(DOMAIN, text) for text in texts]
+    monkeypatch.setattr(initial_state, "_read_plain", lambda cursor, *_: cursor.start)
+    careful = [read(DOMAIN, text) for text in texts]
+    assert list(map(str, fast)) == list(map(str, careful))
+
+
+def test_damaged_bytes_give_a_domain_or_an_error(tmp_path):
+    rng = random.Random(4)  # noqa: S311 (not for secrets)
+    path = tmp_path / "domain.pddl"
+    num_errors = 0
+    for _ in range(200):
+        data = bytearray(DOMAIN.encode())
+        for _ in range(rng.choice((1, 1, 3))):
+            data[rng.randrange(len(data))] = rng.randrange(256)
+        path.write_bytes(data)
+        try:
+            read_domain(path)
+        except PDDLError as error:
+            num_errors += str(error).startswith(f"{path}:")
+    assert num_errors > 50

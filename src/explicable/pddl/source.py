@@ -111,7 +111,9 @@ class Source:
                 opened.append(bracket)
         trailing = Cursor(self, end)
         if trailing.ahead:
-            raise trailing.error("text after the end of '(define ...)'")
+            if trailing.ahead == ")":
+                raise trailing.error("')' without a '(' before it")
+            raise trailing.error("text after the end of '(define ...)': is there a ')' too many?")
 
 
 class Cursor:
