@@ -4,7 +4,7 @@ from importlib import resources
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from explicable.errors import UsageError
@@ -17,6 +17,7 @@ def inner(world):
 
 
 @given(st.integers(0, 2**32))
+@settings(max_examples=40)
 def test_maps_keep_the_counts_of_the_study(seed):
     world = generate(np.random.default_rng(seed))
     count = "".join(inner(world)).count
@@ -41,6 +42,7 @@ def test_maps_keep_the_counts_of_the_study(seed):
     st.integers(1, 3),
     st.booleans(),
 )
+@settings(max_examples=40)
 def test_any_size_gives_a_map_or_a_refusal(seed, height, width, num_marks, num_robots, border):
     options = {"height": height, "width": width, "num_marks": num_marks, "num_robots": num_robots}
     try:

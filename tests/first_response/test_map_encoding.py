@@ -14,6 +14,7 @@ from explicable.first_response.world import cell_at, distances, parse_map
 from explicable.model.grounding import ground, ground_team
 from explicable.model.team import Agent
 from explicable.pddl import format_domain, format_problem, parse_domain, parse_problem
+from oracles.first_response import commanded_plan, worlds
 
 WORLD = parse_map("*@x*\n....\n.o.#")
 BOTH = pytest.mark.parametrize("semantics", ["persistent", "exclusive"])
@@ -44,12 +45,19 @@ def shortest_tour(world, view):
 
 
 @given(st.integers(0, 10**6), st.sampled_from(["persistent", "exclusive"]))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_shortest_plans_are_shortest_tours_in_truth_and_in_belief(seed, semantics):
     world = generate(np.random.default_rng(seed), height=3, width=4, num_marks=2)
     team = ground_team(encode(world, semantics))
     assert shortest_plan(team.task) == shortest_tour(world, "robot")
     assert shortest_plan(team.mental) == shortest_tour(world, "human")
+
+
+@given(worlds(), st.sampled_from(["persistent", "exclusive"]))
+def test_whatever_loads_can_be_planned_for(world, semantics):
+    team = ground_team(encode(world, semantics))
+    for task, view in ((team.task, "robot"), (team.mental, "human")):
+        assert task.is_goal(task.execute(commanded_plan(world, view)).states[-1])
 
 
 def legal(world, semantics, actions):

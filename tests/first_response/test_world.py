@@ -19,22 +19,9 @@ from explicable.first_response.world import (
     read_map,
     shortest_path,
 )
+from oracles.first_response import worlds
 
 PLAN = ("#.@o", "..x*", "*...")
-
-
-@st.composite
-def worlds(draw):
-    """Maps of few cells, also without border and one cell high, whose rooms can be reached."""
-    height, width = draw(st.integers(1, 5)), draw(st.integers(2, 6))
-    characters = draw(st.lists(st.sampled_from("#.*ox@"), min_size=height * width, max_size=height * width))
-    robot, mark = draw(st.permutations(range(height * width)))[:2]
-    characters[robot], characters[mark] = "@", "*"
-    grid = ["".join(characters[row * width : (row + 1) * width]) for row in range(height)]
-    try:
-        return World(tuple(grid), {"name": draw(st.text("ab :;é", max_size=5)).strip()})
-    except MapError:
-        return World(tuple(re.sub("[#x]", ".", row) for row in grid))
 
 
 @given(worlds(), st.sampled_from(["\n", "\r\n", "\r"]), st.booleans(), st.integers(0, 2), st.booleans())
