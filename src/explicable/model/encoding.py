@@ -34,7 +34,7 @@ Scope = dict[str, int]
 
 @dataclass(frozen=True, slots=True)
 class EncodedProblem:
-    """What ``explicable._core.ground`` reads.
+    """What the compiled grounder reads.
 
     ``initial`` holds, predicate by predicate, the arguments of the atoms that are true at the start, one
     after the other, ``num_initial`` their number; ``function_arguments`` and ``function_values`` the same
