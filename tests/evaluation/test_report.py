@@ -13,10 +13,13 @@ from explicable.first_response.world import World
 HOSTILE = "<script>alert('&')</script>"
 PICTURE = render(World(("@x*", "...")), "robot", title=HOSTILE)
 
+STEPS = (("(move r1 c-0-0 c-0-1)", False), (HOSTILE, None), ("(visit-room r1 c-0-1)", True))
+
 
 def report(**changes):
     panels = tuple(
-        PlanPanel(kind, HOSTILE, PICTURE, 31, 0.7096, None, 0.5) for kind in ("ff", "explicable", "other")
+        PlanPanel(kind, HOSTILE, PICTURE, 31, 0.7096, None, 0.5, STEPS)
+        for kind in ("ff", "explicable", "other")
     )
     values = {
         "title": HOSTILE,
@@ -50,6 +53,8 @@ def test_the_page_shows_every_plan_and_needs_nothing_from_elsewhere():
     reader = Reader()
     reader.feed(page)
     assert reader.tags.count("figure") == 15
+    assert reader.tags.count("li") == 15 * len(STEPS) + len(key_entries())
+    assert page.count("<em>inexplicable</em>") == 15
     assert not reader.references
     assert not {"script", "link", "iframe", "img"} & set(reader.tags)
     addresses = set(re.findall(r"https?://[^\s\"'<]+", page))

@@ -36,6 +36,8 @@ class PlanPanel:
         Length of the plan.
     f_paper, f_robot, f_expected
         Explicability (method page, section 2); None where it does not apply.
+    steps
+        The plan in words: each step, and whether it is explicable.
     """
 
     kind: str
@@ -45,6 +47,7 @@ class PlanPanel:
     f_paper: float | None
     f_robot: float | None
     f_expected: float | None
+    steps: tuple[tuple[str, bool | None], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
