@@ -346,3 +346,5 @@ def test_files_that_cannot_be_read(tmp_path):
     path.write_bytes("(define\n  (domain Straße".encode() + b"\xff")
     with pytest.raises(PDDLError, match=r"domain.pddl:2:17: not UTF-8 text$"):
         read_domain(path)
+    path.write_bytes(b"; author: Zo\xeb\n(define (domain d))")
+    assert read_domain(path).name == "d"

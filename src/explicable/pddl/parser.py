@@ -201,16 +201,9 @@ def read_pair(domain_path: str | Path, problem_path: str | Path, *, warn: Warn |
 
 def _read_text(path: str | Path) -> str:
     try:
-        data = Path(path).read_bytes()
+        return Path(path).read_bytes().decode(errors="surrogateescape")
     except OSError as error:
         raise PDDLError(f"can't be read: {error.strerror}", path=path) from error
-    try:
-        return data.decode()
-    except UnicodeDecodeError as error:
-        before = data[: error.start]
-        line = before.count(b"\n") + 1
-        column = len(before[before.rfind(b"\n") + 1 :].decode()) + 1
-        raise PDDLError("not UTF-8 text", path=path, line=line, column=column) from error
 
 
 def _open(source: Source, kind: str, allowed: tuple[str, ...]) -> tuple[str, dict[str, list[int]]]:

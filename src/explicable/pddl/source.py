@@ -10,6 +10,7 @@ from explicable.errors import PDDLError
 _LONGEST_MESSAGE = 400
 MAX_NESTING = 200  # far beyond any task; keeps every recursion over formulas away from Python's limit
 
+_UNDECODED = re.compile("[\ud800-\udfff]")  # what `surrogateescape` makes of bytes that are not UTF-8
 _COMMENT = re.compile(r";[^\r\n]*+")
 # "fuel-level?a" is two tokens, as in IPC files; so is "-truck", since only numbers begin with a dash.
 _TOKEN = re.compile(r"\s*+([()]|\?[^\s()?]*+|-(?=[^\s()?\d.-])|[^\s()?]++)")
@@ -53,6 +54,9 @@ class Source:
         self.path = path
         self.text = _lower(_COMMENT.sub("", text.removeprefix("\ufeff")))
         self._warn = warn
+        # Comments may be in any encoding, and in old files they are.
+        if not self.text.isascii() and (undecoded := _UNDECODED.search(self.text)):
+            raise self.error("not UTF-8 text", undecoded.start())
 
     def position(self, offset: int) -> tuple[int, int]:
         """Give line and column of an offset, both counted from 1."""
