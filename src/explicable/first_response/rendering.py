@@ -152,7 +152,7 @@ def _canvas(world: World) -> _Canvas:
     cropped = 0.7 * CELL if walled else 0.0
     width, height = world.width * CELL - 2 * cropped, world.height * CELL - 2 * cropped
     zoom = max(1.0, max(width, height) / LARGEST_PX)
-    return _Canvas(cropped, cropped, width, height, zoom, emphasis=max(1.0, 0.6 * zoom))
+    return _Canvas(cropped, cropped, width, height, zoom, emphasis=max(1.0, 0.75 * zoom))
 
 
 def _doubted_steps(
