@@ -39,7 +39,7 @@ std::vector<double> forward(const Chain& chain) {
 }  // namespace
 
 bool are_usable_scores(std::span<const double> scores) {
-    return std::all_of(scores.begin(), scores.end(), [](double score) { return std::abs(score) <= 1e100; });
+    return std::all_of(scores.begin(), scores.end(), [](double score) { return std::abs(score) <= 1e9; });
 }
 
 void viterbi(const Chain& chain, std::span<LabelId> labels) {
@@ -83,23 +83,26 @@ double marginals(const Chain& chain, std::span<double> marginals, std::span<doub
     const std::vector<double> alpha = forward(chain);
     const double log_partition =
         log_sum_exp(std::span(alpha).subspan((num_positions - 1) * num_labels, num_labels));
-    std::vector<double> beta(num_labels, 0.0), next(num_labels), terms(num_labels);
+    std::vector<double> beta(num_labels, 0.0), next(num_labels), terms(num_labels), pairs(num_labels * num_labels);
     for (std::size_t t = num_positions; t-- > 0;) {
-        const double* here = &alpha[t * num_labels];
+        // Normalised here and not by the partition function: then rounding of large scores leaves probabilities.
+        for (int label = 0; label < num_labels; ++label) terms[label] = alpha[t * num_labels + label] + beta[label];
+        const double total = log_sum_exp(terms);
         for (int label = 0; label < num_labels; ++label)
-            marginals[t * num_labels + label] = std::exp(here[label] + beta[label] - log_partition);
+            marginals[t * num_labels + label] = std::exp(terms[label] - total);
         if (t == 0) break;
         for (int to = 0; to < num_labels; ++to)
             next[to] = chain.allows(t, to) ? chain.state[t * num_labels + to] + beta[to] : kImpossible;
         for (int from = 0; from < num_labels; ++from) {
             for (int to = 0; to < num_labels; ++to) {
                 terms[to] = chain.transition[from * num_labels + to] + next[to];
-                if (!pair_counts.empty())
-                    pair_counts[from * num_labels + to] +=
-                        std::exp(alpha[(t - 1) * num_labels + from] + terms[to] - log_partition);
+                pairs[from * num_labels + to] = alpha[(t - 1) * num_labels + from] + terms[to];
             }
             beta[from] = log_sum_exp(terms);
         }
+        if (pair_counts.empty()) continue;
+        const double pair_total = log_sum_exp(pairs);
+        for (std::size_t k = 0; k < pairs.size(); ++k) pair_counts[k] += std::exp(pairs[k] - pair_total);
     }
     return log_partition;
 }
