@@ -32,8 +32,10 @@ Item = TypeVar("Item")
 STUDY_AREA = 36
 """Cells within the border of a map of the study; the counts below are for such a map."""
 STUDY_WALLS, STUDY_OBSTACLES, STUDY_HIDDEN = (2, 4), (1, 4), (5, 8)
+MAX_CELLS = 400_000
+"""Cells drawn before the counts of a map are declared impossible ..."""
 MAX_ATTEMPTS = 200
-"""Maps drawn before their counts are declared impossible."""
+"""... and maps."""
 MISLEADING_SHARE = 0.4
 """Of the ways between two stops (robots, rooms), at least so many are longer in truth than they look ..."""
 MISLEADING_CELLS = 4000
@@ -168,10 +170,11 @@ def generate_builtin(kind: Literal["training", "test"]) -> dict[str, World]:
 def _draw_map(rng: "np.random.Generator", order: _Order) -> World | None:
     """Draw maps until one misleads enough, or content oneself with the last."""
     found = None
-    for attempt in range(MAX_ATTEMPTS):
+    area = order.height * order.width
+    for attempt in range(min(MAX_ATTEMPTS, 1 + MAX_CELLS // area)):
         world = _attempt(rng, order)
         found = world or found
-        if found and attempt * order.height * order.width > MISLEADING_CELLS:
+        if found and attempt * area > MISLEADING_CELLS:
             break
         if world and _share_misleading(world) >= MISLEADING_SHARE:
             break
