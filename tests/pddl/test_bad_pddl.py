@@ -300,6 +300,7 @@ def test_unsupported_problems(old, new, message):
         ("(define (domain d)\r\n(:types\ra -", "2:1: this '(' is never closed"),
         ("(define (domain d)\r\n(:types\ra - b))", "3:1: undeclared type 'b', the parent of 'a'"),
         ("\ufeff(define (domain Straße) (İ))", "1:26: expected a section of a domain, not 'İ'"),
+        ("(define (domain d) (\x1b[31m\0))", "1:21: expected a section of a domain, not '\\x1b[31m\\x00'"),
         ("(" * 10_000_000, "1:2: expected 'define', not '('"),
         ("(define " + "(" * 10_000_000, "1:208: lists are nested deeper than 200"),
         ("(define (domain d) " + "()" * 5_000_000, "1:21: expected a section of a domain, not ')'"),

@@ -140,7 +140,7 @@ def problems(draw):
     return Problem(draw(NAMES), domain, rest, init, ground.formula(()), values, draw(st.booleans()))
 
 
-@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(problems())
 def test_what_is_written_reads_back(problem):
     domain = parse_domain(format_domain(problem.domain))

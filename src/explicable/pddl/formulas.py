@@ -28,15 +28,18 @@ MAX_COST = 2**31 - 1  # what the core can count with
 
 _INTEGER = re.compile(r"(\d+)(?:\.0*)?")
 _DECIMAL = re.compile(r"\d*\.\d+")
-_NUMERIC_CONDITIONS = frozenset(("<", ">", "<=", ">="))
-_NUMERIC_EFFECTS = frozenset(("increase", "decrease", "assign", "scale-up", "scale-down"))
-_TRAJECTORIES = frozenset(
-    (
-        *("always", "always-within", "at-most-once", "hold-after", "hold-during"),
-        *("sometime", "sometime-after", "sometime-before", "within"),
-    )
-)
-_UNCERTAIN = frozenset(("oneof", "unknown", "probabilistic"))
+_UNSUPPORTED = {
+    **dict.fromkeys(("<", ">", "<=", ">="), "numeric conditions"),
+    **dict.fromkeys(
+        ("increase", "decrease", "assign", "scale-up", "scale-down"),
+        "numeric effects other than on 'total-cost'",
+    ),
+    **dict.fromkeys(("always", "always-within", "hold-after", "hold-during"), "trajectory constraints"),
+    **dict.fromkeys(("sometime", "sometime-after", "sometime-before"), "trajectory constraints"),
+    **dict.fromkeys(("at-most-once", "within"), "trajectory constraints"),
+    **dict.fromkeys(("oneof", "unknown", "probabilistic"), "uncertain effects or facts"),
+    "preference": "preferences",
+}
 
 Scope = dict[str, tuple[str, ...]]  # each variable in sight with its types
 
@@ -153,15 +156,8 @@ class FormulaReader:
     def _refuse_head(self) -> NoReturn:
         """Say why a formula can't begin with the next token."""
         cursor, head = self._cursor, self._cursor.ahead
-        unsupported = {
-            **dict.fromkeys(_NUMERIC_CONDITIONS, "numeric conditions"),
-            **dict.fromkeys(_NUMERIC_EFFECTS, "numeric effects other than on 'total-cost'"),
-            **dict.fromkeys(_TRAJECTORIES, "trajectory constraints"),
-            **dict.fromkeys(_UNCERTAIN, "uncertain effects or facts"),
-            "preference": "preferences",
-        }
-        if head in unsupported:
-            raise cursor.error(f"{unsupported[head]} ('{head}') are not supported", UnsupportedFeatureError)
+        if feature := _UNSUPPORTED.get(head):
+            raise cursor.error(f"{feature} ('{head}') are not supported", UnsupportedFeatureError)
         if head in KEYWORDS:
             raise cursor.error(f"'{head}' can't stand here")
         cursor.take_name("a predicate")

@@ -60,14 +60,16 @@ class Source:
 
     def position(self, offset: int) -> tuple[int, int]:
         """Give line and column of an offset, both counted from 1."""
-        before = self.text[:offset]
-        line = before.count("\n") + before.count("\r") - before.count("\r\n") + 1
-        return line, offset - max(before.rfind("\n"), before.rfind("\r"))
+        text = self.text
+        line = 1 + text.count("\n", 0, offset) + text.count("\r", 0, offset) - text.count("\r\n", 0, offset)
+        return line, offset - max(text.rfind("\n", 0, offset), text.rfind("\r", 0, offset))
 
     def error(self, message: str, offset: int, kind: type[PDDLError] = PDDLError) -> PDDLError:
         """Make the error that says what is wrong at an offset."""
         if len(message) > _LONGEST_MESSAGE:  # a name in a damaged file may be as long as the file
             message = f"{message[:_LONGEST_MESSAGE]} ..."
+        if not message.isprintable():  # nor may it speak to the reader's terminal
+            message = "".join(c if c.isprintable() else repr(c)[1:-1] for c in message)
         line, column = self.position(offset)
         return kind(message, path=self.path, line=line, column=column)
 
