@@ -25,9 +25,9 @@ using Values = std::array<std::int32_t, kMaxValues>;
 
 // A scorer together with the packing of its task's states, in which Python holds them.
 struct BoundScorer final : Scorer {
-    BoundScorer(const CoreTask& core, std::shared_ptr<const TeamTables> tables, FeatureWeights weights,
+    BoundScorer(const CoreTask& core, std::shared_ptr<const TeamTables> tables, const FeatureWeights& weights,
                 Transitions transitions, bool expected)
-        : Scorer(core, std::move(tables), std::move(weights), transitions, expected), task(core) {}
+        : Scorer(core, std::move(tables), weights, transitions, expected), task(core) {}
     const CoreTask& task;
 };
 
@@ -45,15 +45,6 @@ OperatorId check_operator(const TeamTables& tables, OperatorId step) {
     if (tables.schema[step] < 0) throw nb::index_error("an auxiliary operator is no step");
     return step;
 }
-
-std::vector<Distance> closed_goals(const TeamTables& tables, const std::vector<bool>& fulfilled) {
-    if (fulfilled.size() != tables.goals.size()) throw std::invalid_argument("one flag a goal is needed");
-    std::vector<Distance> closed;
-    for (const bool flag : fulfilled) closed.push_back(flag ? kNoWay : Distance{0});
-    return closed;
-}
-
-Model to_model(bool own) { return own ? Model::kOwn : Model::kMental; }
 
 Ints row(const Table<std::int32_t>& table, OperatorId step) { return Ints(table[step].begin(), table[step].end()); }
 
@@ -76,7 +67,7 @@ std::unique_ptr<BoundScorer> make_scorer(const CoreTask& task, std::shared_ptr<c
     if (tables->num_operators() != task.num_operators()) throw std::invalid_argument("tables of another task");
     FeatureWeights table(tables->num_schemas, tables->max_arity);
     for (const auto& [feature_template, values, weight] : weights) table.set(feature_template, values, weight);
-    return std::make_unique<BoundScorer>(task, std::move(tables), std::move(table), transitions, expected);
+    return std::make_unique<BoundScorer>(task, std::move(tables), table, transitions, expected);
 }
 
 }  // namespace
@@ -101,21 +92,21 @@ void bind_scorer(nb::module_& module) {
                  return t.takes_back(check_operator(t, step), check_operator(t, earlier));
              })
         .def("toward_request",
-             [](const TeamTables& t, bool own, OperatorId step, int request) {
+             [](const TeamTables& t, OperatorId step, int request) {
                  if (request < -1 || request >= t.num_requests()) throw nb::index_error("no such request");
-                 return static_cast<int>(t.toward_request(to_model(own), check_operator(t, step), request));
+                 const auto progress = t.toward_request(check_operator(t, step), request);
+                 return std::tuple(static_cast<int>(progress.mental), static_cast<int>(progress.own));
              },
-             "own"_a, "step"_a, "request"_a)
-        .def("toward_nearest_goal",
-             [](const TeamTables& t, bool own, OperatorId step, const std::vector<bool>& fulfilled) {
-                 const auto closed = closed_goals(t, fulfilled);
-                 return static_cast<int>(t.toward_nearest_goal(to_model(own), check_operator(t, step), closed));
-             },
-             "own"_a, "step"_a, "fulfilled"_a)
-        .def("toward_mission",
+             "step"_a, "request"_a)
+        .def("toward_goals",
              [](const TeamTables& t, OperatorId step, const std::vector<bool>& fulfilled) {
-                 const auto closed = closed_goals(t, fulfilled);
-                 return static_cast<int>(t.toward_mission(check_operator(t, step), closed));
+                 if (fulfilled.size() != t.goals.size()) throw std::invalid_argument("one flag a goal is needed");
+                 OpenGoals goals(fulfilled.size());
+                 for (std::size_t goal = 0; goal < fulfilled.size(); ++goal)
+                     if (fulfilled[goal]) goals.close(goal);
+                 const auto progress = t.toward_goals(check_operator(t, step), goals);
+                 return std::tuple(static_cast<int>(progress.mental), static_cast<int>(progress.own),
+                                   static_cast<int>(progress.mission));
              },
              "step"_a, "fulfilled"_a);
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <type_traits>
@@ -13,24 +14,15 @@ namespace {
 
 constexpr double kImpossible = -std::numeric_limits<double>::infinity();
 
-// Goals of a state on the stack, unless there are unusually many.
-class GoalMask {
-public:
-    GoalMask(const Task& task, const TeamTables& tables, const State& state) {
-        const auto count = tables.goals.size();
-        if (count > small_.size()) large_.resize(count);
-        mask_ = std::span(count > small_.size() ? large_.data() : small_.data(), count);
-        for (std::size_t goal = 0; goal < count; ++goal)
-            mask_[goal] = state.holds(task, tables.goals[goal]) ? kNoWay : Distance{0};
-    }
-    GoalMask(const GoalMask&) = delete;
-    std::span<Distance> mask() { return mask_; }
+void read_goals(const Task& task, const TeamTables& tables, const State& state, OpenGoals& goals) {
+    for (std::size_t goal = 0; goal < tables.goals.size(); ++goal)
+        if (state.holds(task, tables.goals[goal])) goals.close(goal);
+}
 
-private:
-    std::array<Distance, 64> small_;
-    std::vector<Distance> large_;
-    std::span<Distance> mask_;
-};
+
+bool any(const std::vector<double>& weights) {
+    return std::ranges::any_of(weights, [](double weight) { return weight != 0; });
+}
 
 std::uint64_t combine(std::uint64_t key, std::uint64_t value) {  // splitmix64 of both
     key += value + 0x9E3779B97F4A7C15u;
@@ -43,83 +35,97 @@ std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value == 
 
 }  // namespace
 
-FeatureWeights::FeatureWeights(int num_schemas, int max_arity) {
+FeatureWeights::FeatureWeights(int num_schemas, std::size_t max_arity) {
     const auto schemas = static_cast<std::size_t>(num_schemas), neighbours = schemas + 1;  // or nothing
-    const auto arity = static_cast<std::size_t>(max_arity);
+    const std::size_t arguments = std::min(max_arity, kMaxArguments);
     const std::size_t progress = kNumProgress, beside = kNumNeighbours;
-    const std::vector<std::vector<std::size_t>> dimensions = {
-        {schemas},                            // step
-        {schemas, neighbours},                // after
-        {schemas, neighbours},                // before
-        {schemas, schemas, arity, arity},     // same as after
-        {schemas, schemas, arity, arity},     // same as before
-        {schemas, schemas, arity, arity},     // same as the last human step
-        {schemas},                            // undoes
-        {schemas},                            // returns
-        {schemas},                            // unbelieved
-        {schemas, progress},                  // request, mental
-        {schemas, progress},                  // request, own
-        {schemas, progress},                  // nearest goal, mental
-        {schemas, progress},                  // nearest goal, own
-        {schemas, progress},                  // mission
-        {progress, progress},                 // request, mental and own
-        {progress, progress},                 // request and mission
-        {progress, beside},                   // trend
-        {progress, beside},                   // outlook
+    dimensions_ = {
+        {schemas},                                    // step
+        {schemas, neighbours},                        // after
+        {schemas, neighbours},                        // before
+        {schemas, schemas, arguments, arguments},     // same as after
+        {schemas, schemas, arguments, arguments},     // same as before
+        {schemas, schemas, arguments, arguments},     // same as the last human step
+        {schemas},                                    // undoes
+        {schemas},                                    // returns
+        {schemas},                                    // unbelieved
+        {schemas, progress},                          // request, mental
+        {schemas, progress},                          // request, own
+        {schemas, progress},                          // nearest goal, mental
+        {schemas, progress},                          // nearest goal, own
+        {schemas, progress},                          // mission
+        {progress, progress},                         // request, mental and own
+        {progress, progress},                         // request and mission
+        {progress, beside},                           // trend
+        {progress, beside},                           // outlook
     };
-    std::size_t offset = 0;
-    for (const auto& sizes : dimensions) {
-        Layout layout{.offset = offset, .size = 1, .dimensions = sizes, .strides = {}};
-        for (std::size_t i = sizes.size(); i-- > 0;) {
-            layout.strides[i] = layout.size;
-            if (sizes[i] != 0 && layout.size > (std::size_t{1} << 28) / sizes[i])
-                throw std::length_error("too many schemas or parameters for a table of weights");
-            layout.size *= sizes[i];
-        }
-        offset += layout.size;
-        layouts_.push_back(std::move(layout));
+    if (schemas > 1000) throw std::length_error("more than 1000 action schemas");
+    for (const auto& sizes : dimensions_) {
+        std::size_t size = 1;
+        for (const auto dimension : sizes) size *= dimension;
+        tables_.emplace_back(size);
     }
-    weights_.assign(offset, 0.0);
 }
 
 void FeatureWeights::set(int feature_template, std::span<const std::int32_t> values, double weight) {
     if (feature_template < 0 || feature_template >= kNumTemplates) throw std::invalid_argument("no such template");
-    const auto& layout = layouts_[static_cast<std::size_t>(feature_template)];
-    if (values.size() < layout.dimensions.size()) throw std::invalid_argument("a feature has too few values");
+    const auto& sizes = dimensions_[static_cast<std::size_t>(feature_template)];
+    if (values.size() < sizes.size()) throw std::invalid_argument("a feature has too few values");
     if (!std::isfinite(weight)) throw std::invalid_argument("a weight is not finite");
-    std::size_t index = layout.offset;
-    for (std::size_t i = 0; i < layout.dimensions.size(); ++i) {
-        if (values[i] < 0 || static_cast<std::size_t>(values[i]) >= layout.dimensions[i])
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+        if (values[i] < 0 || static_cast<std::size_t>(values[i]) >= sizes[i])
             throw std::invalid_argument("a value of a feature is out of range");
-        index += layout.strides[i] * static_cast<std::size_t>(values[i]);
+        index = index * sizes[i] + static_cast<std::size_t>(values[i]);
     }
-    weights_[index] = weight;
+    tables_[static_cast<std::size_t>(feature_template)][index] = weight;
 }
 
-bool FeatureWeights::any(Template feature_template) const {
-    const auto& layout = layouts_[static_cast<std::size_t>(feature_template)];
-    const std::span all(weights_.data() + layout.offset, layout.size);
-    return std::ranges::any_of(all, [](double weight) { return weight != 0; });
-}
-
-Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, FeatureWeights weights,
+Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const FeatureWeights& weights,
                Transitions transitions, bool expected)
     : task_(task),
       tables_(std::move(tables)),
-      weights_(std::move(weights)),
+      after_(weights.of(Template::kAfter)),
+      before_(weights.of(Template::kBefore)),
+      same_after_(weights.of(Template::kSameAfter)),
+      same_before_(weights.of(Template::kSameBefore)),
+      same_human_(weights.of(Template::kSameHuman)),
+      undoes_(weights.of(Template::kUndoes)),
+      returns_(weights.of(Template::kReturns)),
+      unbelieved_(weights.of(Template::kUnbelieved)),
+      request_mission_(weights.of(Template::kRequestMission)),
+      trend_(weights.of(Template::kTrend)),
+      outlook_(weights.of(Template::kOutlook)),
       transitions_(transitions),
       factors_(),
+      num_schemas_(static_cast<std::size_t>(tables_->num_schemas)),
       expected_(expected),
-      uses_returns_(weights_.any(Template::kReturns)),
-      uses_human_(weights_.any(Template::kSameHuman)) {
+      uses_returns_(any(returns_)),
+      uses_human_(any(same_human_)) {
+    constexpr std::size_t n = kNumProgress;
+    for (std::size_t schema = 0; schema < num_schemas_; ++schema) {
+        for (std::size_t last = 0; last <= num_schemas_; ++last)
+            after_[schema * (num_schemas_ + 1) + last] += weights.of(Template::kStep)[schema];
+        for (std::size_t mental = 0; mental < n; ++mental) {
+            for (std::size_t own = 0; own < n; ++own) {
+                request_.push_back(weights.of(Template::kRequestMental)[schema * n + mental] +
+                                   weights.of(Template::kRequestOwn)[schema * n + own] +
+                                   weights.of(Template::kRequestModels)[mental * n + own]);
+                for (std::size_t mission = 0; mission < n; ++mission)
+                    goals_.push_back(weights.of(Template::kGoalMental)[schema * n + mental] +
+                                     weights.of(Template::kGoalOwn)[schema * n + own] +
+                                     weights.of(Template::kMission)[schema * n + mission]);
+            }
+        }
+    }
     double largest = kImpossible;
     for (const auto& row : transitions)
         for (const auto transition : row) {
             if (!(std::abs(transition) <= 300)) throw std::invalid_argument("a transition weight is beyond 300");
             largest = std::max(largest, transition);
         }
-    for (int i = 0; i < 2; ++i)
-        for (int j = 0; j < 2; ++j) factors_[i][j] = std::exp(transitions[i][j] - largest);
+    for (std::size_t i = 0; i < 2; ++i)
+        for (std::size_t j = 0; j < 2; ++j) factors_[i][j] = std::exp(transitions[i][j] - largest);
 }
 
 std::size_t Scorer::context_size() const { return sizeof(Context); }
@@ -135,8 +141,9 @@ void Scorer::extend(const std::byte* parent, OperatorId step, const State& befor
     Context context;
     std::memcpy(&context, parent, sizeof context);
     if (tables_->schema[step] >= 0) {
-        GoalMask goals(task_, *tables_, before);
-        advance(context, step, goals.mask());
+        OpenGoals goals(tables_->goals.size());
+        read_goals(task_, *tables_, before, goals);
+        advance(context, step, goals);
         // A request whose fact is gone has been withdrawn.
         auto& situation = context.situation;
         std::int32_t kept = 0;
@@ -152,11 +159,12 @@ PathScore Scorer::score(const std::byte* node, const State& state, std::span<con
     Context context;
     std::memcpy(&context, node, sizeof context);
     if (!relaxed_plan.empty()) {
-        GoalMask goals(task_, *tables_, state);
+        OpenGoals goals(tables_->goals.size());
+        read_goals(task_, *tables_, state, goals);
         for (const auto step : relaxed_plan) {
             if (tables_->schema[step] < 0) continue;
-            advance(context, step, goals.mask());
-            for (const auto goal : tables_->achieves[step]) goals.mask()[goal] = kNoWay;
+            advance(context, step, goals);
+            for (const auto goal : tables_->achieves[step]) goals.close(static_cast<std::size_t>(goal));
         }
     }
     if (context.num_steps == 0) return {0, 0, 0};
@@ -206,10 +214,10 @@ bool Scorer::is_sound(std::span<const std::byte> bytes) const {
 }
 
 // Makes the features of the last step final, now that the next is known, and takes in the next.
-void Scorer::advance(Context& context, OperatorId step, Closed closed) const {
+void Scorer::advance(Context& context, OperatorId step, const OpenGoals& goals) const {
     auto& situation = context.situation;
     int neighbour = kHumanStep;
-    const double score = is_human(step) ? 0 : step_score(situation, step, closed, neighbour);
+    const double score = is_human(step) ? 0 : step_score(situation, step, goals, neighbour);
     if (context.num_steps > 0) {
         const bool human = is_human(situation.last);
         append(context.chain, human, human ? 0 : context.pending + look_ahead(situation, step, neighbour));
@@ -219,57 +227,59 @@ void Scorer::advance(Context& context, OperatorId step, Closed closed) const {
     remember(situation, step, neighbour);
 }
 
-double Scorer::step_score(const Situation& situation, OperatorId step, Closed closed, int& neighbour) const {
+double Scorer::step_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const {
     const auto& tables = *tables_;
-    const int me = schema(step);
-    double score = weights_.get(Template::kStep, me) + weights_.get(Template::kAfter, me, schema(situation.last));
-    score += equality_score(Template::kSameAfter, step, situation.last);
-    if (uses_human_) score += equality_score(Template::kSameHuman, step, situation.last_human);
-    if (tables.takes_back(step, situation.robot_steps[0]))
-        score += weights_.get(Template::kUndoes, me);
-    else if (uses_returns_ && std::any_of(situation.robot_steps.begin() + 1, situation.robot_steps.end(),
-                                          [&](OperatorId earlier) { return tables.takes_back(step, earlier); }))
-        score += weights_.get(Template::kReturns, me);
-    if (!tables.in_mental[step]) score += weights_.get(Template::kUnbelieved, me);
+    const auto me = static_cast<std::size_t>(tables.schema[step]);
+    double score = after_[me * (num_schemas_ + 1) + schema_of(situation.last)];
+    if (situation.last >= 0) score += equality_score(same_after_, step, situation.last);
+    if (uses_human_ && situation.last_human >= 0) score += equality_score(same_human_, step, situation.last_human);
+    const auto& recent = situation.robot_steps;
+    const auto takes_back = [&](OperatorId earlier) { return tables.takes_back(step, earlier); };
+    if (takes_back(recent[0]))
+        score += undoes_[me];
+    else if (uses_returns_ && std::any_of(recent.begin() + 1, recent.end(), takes_back))
+        score += returns_[me];
+    if (!tables.in_mental[step]) score += unbelieved_[me];
 
-    const int request = situation.request();
-    auto mental = tables.toward_request(Model::kMental, step, request);
-    auto own = tables.toward_request(Model::kOwn, step, request);
-    const auto open = std::span(situation.open).first(static_cast<std::size_t>(situation.num_open));
-    if (mental != Progress::kDone && std::ranges::any_of(tables.fulfils[step], [&](std::int32_t fulfilled) {
-            return std::ranges::find(open, fulfilled) != open.end();
-        }))
-        mental = own = Progress::kDoneOther;
-    const auto goal_mental = tables.toward_nearest_goal(Model::kMental, step, closed);
-    const auto goal_own = tables.toward_nearest_goal(Model::kOwn, step, closed);
-    const auto mission = tables.toward_mission(step, closed);
-    score += weights_.get(Template::kRequestMental, me, mental) + weights_.get(Template::kRequestOwn, me, own) +
-             weights_.get(Template::kGoalMental, me, goal_mental) + weights_.get(Template::kGoalOwn, me, goal_own) +
-             weights_.get(Template::kMission, me, mission) + weights_.get(Template::kRequestModels, mental, own) +
-             weights_.get(Template::kRequestMission, mental, mission) +
-             weights_.get(Template::kTrend, mental, situation.neighbour);
+    auto request = tables.toward_request(step, situation.request());
+    if (request.mental != Progress::kDone && fulfils_open(situation, step))
+        request = {Progress::kDoneOther, Progress::kDoneOther};
+    const auto goal = tables.toward_goals(step, goals);
+    constexpr std::size_t n = kNumProgress;
+    const auto mental = static_cast<std::size_t>(request.mental), own = static_cast<std::size_t>(request.own);
+    const auto mission = static_cast<std::size_t>(goal.mission);
+    const auto nearest = static_cast<std::size_t>(goal.mental) * n + static_cast<std::size_t>(goal.own);
+    score += request_[(me * n + mental) * n + own] + goals_[(me * n * n + nearest) * n + mission] +
+             request_mission_[mental * n + mission] +
+             trend_[mental * kNumNeighbours + static_cast<std::size_t>(situation.neighbour)];
     neighbour = static_cast<int>(mental);
     return score;
 }
 
+bool Scorer::fulfils_open(const Situation& situation, OperatorId step) const {
+    const auto open = std::span(situation.open).first(static_cast<std::size_t>(situation.num_open));
+    for (const auto request : tables_->fulfils[step])
+        if (std::ranges::find(open, request) != open.end()) return true;
+    return false;
+}
+
 // A feature for every argument of `step` that equals an argument of `other`.
-double Scorer::equality_score(Template same, OperatorId step, OperatorId other) const {
-    if (other < 0) return 0;
-    const auto arity = static_cast<std::size_t>(tables_->max_arity);
-    const auto* const mine = tables_->arguments.data() + static_cast<std::size_t>(step) * arity;
-    const auto* const theirs = tables_->arguments.data() + static_cast<std::size_t>(other) * arity;
+double Scorer::equality_score(const std::vector<double>& weights, OperatorId step, OperatorId other) const {
+    const auto count = std::min(tables_->max_arity, kMaxArguments);
+    const double* const pairs = weights.data() + (schema_of(step) * num_schemas_ + schema_of(other)) * count * count;
     double score = 0;
-    for (std::size_t i = 0; i < arity && mine[i] >= 0; ++i)
-        for (std::size_t j = 0; j < arity && theirs[j] >= 0; ++j)
-            if (mine[i] == theirs[j]) score += weights_.get(same, schema(step), schema(other), i, j);
+    for (auto equal = tables_->equal_arguments(step, other); equal != 0; equal &= equal - 1) {
+        const auto bit = static_cast<std::size_t>(std::countr_zero(equal));
+        score += pairs[bit / kMaxArguments * count + bit % kMaxArguments];
+    }
     return score;
 }
 
 // The features of the last step, a robot's, that see the step after it.
 double Scorer::look_ahead(const Situation& situation, OperatorId next, int neighbour) const {
-    return weights_.get(Template::kBefore, schema(situation.last), schema(next)) +
-           equality_score(Template::kSameBefore, situation.last, next) +
-           weights_.get(Template::kOutlook, situation.neighbour, neighbour);
+    return before_[schema_of(situation.last) * (num_schemas_ + 1) + schema_of(next)] +
+           (next < 0 ? 0 : equality_score(same_before_, situation.last, next)) +
+           outlook_[static_cast<std::size_t>(situation.neighbour) * kNumNeighbours + static_cast<std::size_t>(neighbour)];
 }
 
 void Scorer::remember(Situation& situation, OperatorId step, int neighbour) const {

@@ -41,29 +41,19 @@ inline constexpr int kHumanStep = kNumProgress;
 inline constexpr int kNothing = kNumProgress + 1;
 inline constexpr int kNumNeighbours = kNumProgress + 2;
 
-// How much more each feature speaks for "inexplicable" than for "explicable".
+// How much more each feature speaks for "inexplicable" than for "explicable": a dense table for each template.
 class FeatureWeights {
 public:
-    FeatureWeights(int num_schemas, int max_arity);
+    FeatureWeights(int num_schemas, std::size_t max_arity);
     // Throws std::invalid_argument if a value does not fit its template.
     void set(int feature_template, std::span<const std::int32_t> values, double weight);
-    template <class... Values>
-    double get(Template feature_template, Values... values) const {
-        const auto& layout = layouts_[static_cast<std::size_t>(feature_template)];
-        std::size_t index = layout.offset, position = 0;
-        ((index += layout.strides[position++] * static_cast<std::size_t>(values)), ...);
-        return weights_[index];
+    const std::vector<double>& of(Template feature_template) const {
+        return tables_[static_cast<std::size_t>(feature_template)];
     }
-    bool any(Template feature_template) const;
 
 private:
-    struct Layout {
-        std::size_t offset = 0, size = 1;
-        std::vector<std::size_t> dimensions;
-        std::array<std::size_t, kMaxValues> strides{};
-    };
-    std::vector<Layout> layouts_;
-    std::vector<double> weights_;
+    std::vector<std::vector<std::size_t>> dimensions_;
+    std::vector<std::vector<double>> tables_;
 };
 
 inline constexpr int kMaxRequests = 8;  // a person keeps so many open requests in mind; older ones are forgotten
@@ -84,8 +74,8 @@ class Scorer : public PathScorer {
 public:
     using Transitions = std::array<std::array<double, 2>, 2>;  // label before x label after; 0 explicable, 1 not
 
-    Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, FeatureWeights weights, Transitions transitions,
-           bool expected);
+    Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const FeatureWeights& weights,
+           Transitions transitions, bool expected);
 
     std::size_t context_size() const override;
     void root(const State& state, std::byte* context) const override;
@@ -112,25 +102,34 @@ private:
         double pending = 0;  // score of the last step, but for its look-ahead
         std::int32_t num_steps = 0;
     };
-    using Closed = std::span<Distance>;  // kNoWay: the goal is fulfilled; 0: it is open
-
-    void advance(Context& context, OperatorId step, Closed closed) const;
+    void advance(Context& context, OperatorId step, const OpenGoals& goals) const;
     // What a robot's step scores but for its look-ahead; `neighbour` is how the steps beside it see it.
-    double step_score(const Situation& situation, OperatorId step, Closed closed, int& neighbour) const;
-    double equality_score(Template same, OperatorId step, OperatorId other) const;
+    double step_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const;
+    double equality_score(const std::vector<double>& weights, OperatorId step, OperatorId other) const;
     double look_ahead(const Situation& situation, OperatorId next, int neighbour) const;
+    bool fulfils_open(const Situation& situation, OperatorId step) const;
     void remember(Situation& situation, OperatorId step, int neighbour) const;
     void append(Chain& chain, bool is_human, double score) const;
     void append_best(Chain& chain, bool is_human, double score) const;
     void append_expected(Chain& chain, bool is_human, double score) const;
     bool is_human(OperatorId step) const { return tables_->is_human[static_cast<std::size_t>(step)] != 0; }
-    int schema(OperatorId step) const { return step < 0 ? tables_->num_schemas : tables_->schema[step]; }
+    std::size_t schema_of(OperatorId step) const {
+        return step < 0 ? num_schemas_ : static_cast<std::size_t>(tables_->schema[step]);
+    }
 
     const Task& task_;
     std::shared_ptr<const TeamTables> tables_;
-    FeatureWeights weights_;
+    // Weights, those that are always added together summed up beforehand; the index begins with the schema.
+    std::vector<double> after_, before_;                       // schema of the step beside, or none
+    std::vector<double> same_after_, same_before_, same_human_;  // schema of the other step, pair of arguments
+    std::vector<double> undoes_, returns_, unbelieved_;
+    std::vector<double> request_;          // progress in both models
+    std::vector<double> goals_;            // progress toward the nearest in both models, and of the mission
+    std::vector<double> request_mission_;  // both kinds of progress
+    std::vector<double> trend_, outlook_;  // progress, what stands beside
     Transitions transitions_;
     Transitions factors_;  // exp of the transitions, the largest scaled to 1
+    std::size_t num_schemas_;
     bool expected_, uses_returns_, uses_human_;
 };
 

@@ -1,6 +1,7 @@
 #include "labelling/team_tables.hpp"
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -159,7 +160,59 @@ Progress judge(Distance before, Distance after) {
     return regret == 2 ? Progress::kFarther : Progress::kMuchFarther;
 }
 
+Distance nearest(std::span<const FactId> facts, const std::vector<Distance>& distance) {
+    Distance least = kNoWay;
+    for (const auto fact : facts) least = std::min(least, distance[fact]);
+    return least;
+}
+
+std::uint64_t mask_of(std::span<const FactId> facts) {
+    std::uint64_t mask = 0;
+    for (const auto fact : facts) mask |= std::uint64_t{1} << (mix(static_cast<std::uint64_t>(fact)) & 63);
+    return mask;
+}
+
 }  // namespace
+
+// Distances in both models, over the facts of the composite task.
+class Measure {
+public:
+    Measure(const Task& composite, const Task& mental, std::vector<FactId> mental_fact,
+            std::vector<std::uint8_t> own_human, std::vector<std::uint8_t> mental_human)
+        : composite(composite),
+          own_graph_(composite),
+          mental_(mental),
+          mental_graph_(mental),
+          mental_fact_(std::move(mental_fact)),
+          own_human_(std::move(own_human)),
+          mental_human_(std::move(mental_human)) {}
+
+    using Both = std::array<std::vector<Distance>, 2>;  // by Model
+    Both to_request(FactId fact) const {
+        return both(explicable::to_request(mental_, mental_graph_, mental_fact_[fact], mental_human_),
+                    explicable::to_request(composite, own_graph_, fact, own_human_));
+    }
+    Both to_goal(FactId fact) const {
+        return both(explicable::to_goal(mental_, mental_graph_, mental_fact_[fact]),
+                    explicable::to_goal(composite, own_graph_, fact));
+    }
+
+    const Task& composite;
+
+private:
+    Both both(const std::vector<Distance>& mental, std::vector<Distance>&& own) const {
+        std::vector<Distance> translated(mental_fact_.size(), kNoWay);
+        for (std::size_t fact = 0; fact < mental_fact_.size(); ++fact)
+            if (mental_fact_[fact] >= 0) translated[fact] = mental[mental_fact_[fact]];
+        return {std::move(translated), std::move(own)};
+    }
+
+    TransitionGraph own_graph_;
+    const Task& mental_;
+    TransitionGraph mental_graph_;
+    std::vector<FactId> mental_fact_;
+    std::vector<std::uint8_t> own_human_, mental_human_;
+};
 
 TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vector<FactId>& goal,
                        const MentalNames& names, const std::vector<std::uint8_t>& human_objects)
@@ -174,10 +227,10 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
         for (const auto argument : composite.operator_arguments[op])
             if (static_cast<std::size_t>(argument) >= names.object.size())
                 throw std::invalid_argument("an object has no name");
-        max_arity = std::max(max_arity, static_cast<int>(composite.operator_arguments[op].size()));
+        max_arity = std::max(max_arity, composite.operator_arguments[op].size());
     }
     schema = composite.operator_schema;
-    deletes = composite.deletes;
+    deletes_ = composite.deletes;
     is_human = human_operators(composite, human_objects);
     arguments.assign(static_cast<std::size_t>(num_operators) * max_arity, -1);
 
@@ -189,7 +242,9 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
         const auto head = schema[op] < 0 ? -1 : names.schema[schema[op]];
         in_mental.push_back(head >= 0 && translate(objects, names.object, translated) &&
                             mental_operators.find(head, translated) >= 0);
-        adds.push_back(all_adds(composite, op));
+        adds_.push_back(all_adds(composite, op));
+        adds_mask_.push_back(mask_of(adds_[op]));
+        deletes_mask_.push_back(mask_of(deletes_[op]));
     }
 
     const MentalIndex mental_facts(mental.fact_predicate, mental.fact_arguments);
@@ -217,9 +272,9 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
         if (static_cast<std::size_t>(theirs) >= mental_objects.size()) mental_objects.resize(theirs + 1);
         mental_objects[theirs] = human_objects[object];
     }
-    measure(composite, mental, mental_fact, human_operators(mental, mental_objects));
-    find_places(composite);
-    find_tours(composite);
+    const Measure measure(composite, mental, std::move(mental_fact), is_human, human_operators(mental, mental_objects));
+    measure_requests(measure);
+    measure_goals(measure);
 }
 
 // A human step asks for a fact that names an object, that some robot's operator needs, and that no human step with
@@ -264,7 +319,8 @@ void TeamTables::find_requests(const Task& task) {
 
 void TeamTables::find_goals(const Task& task) {
     std::vector<std::int32_t> goal_of_fact(static_cast<std::size_t>(task.num_facts()), -1), achieved;
-    for (int goal = 0; goal < num_goals(); ++goal) goal_of_fact[goals[goal]] = goal;
+    for (std::size_t goal = 0; goal < goals.size(); ++goal)
+        goal_of_fact[goals[goal]] = static_cast<std::int32_t>(goal);
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
         achieved.clear();
         for (const auto fact : all_adds(task, op))
@@ -273,59 +329,88 @@ void TeamTables::find_goals(const Task& task) {
     }
 }
 
-void TeamTables::measure(const Task& composite, const Task& mental, const std::vector<FactId>& mental_fact,
-                         const std::vector<std::uint8_t>& mental_human) {
-    const auto width = num_targets();
-    const auto num_facts = static_cast<std::size_t>(composite.num_facts());
-    if (num_facts > 0 && 2 * width > kMaxDistances / num_facts)
-        throw std::length_error("too many facts times goals and requests");
-    const TransitionGraph own_graph(composite), mental_graph(mental);
-    distances_.assign(2 * width * num_facts, kNoWay);
-    for (std::size_t target = 0; target < width; ++target) {
-        const bool is_request = target < request_facts.size();
-        const FactId fact = is_request ? request_facts[target] : goals[target - request_facts.size()];
-        const auto own = is_request ? to_request(composite, own_graph, fact, is_human)
-                                    : to_goal(composite, own_graph, fact);
-        const auto theirs = is_request ? to_request(mental, mental_graph, mental_fact[fact], mental_human)
-                                       : to_goal(mental, mental_graph, mental_fact[fact]);
-        for (std::size_t i = 0; i < num_facts; ++i) {
-            auto* const place = distances_.data() + 2 * i * width + target;
-            if (mental_fact[i] >= 0) place[0] = theirs[mental_fact[i]];
-            place[width] = own[i];
+void TeamTables::measure_requests(const Measure& measure) {
+    const auto width = request_facts.size();
+    const auto num_operators = schema.size();
+    if (width > 0 && num_operators > kMaxEntries / width) throw std::length_error("too many operators times requests");
+    toward_request_.resize(width * num_operators);
+    std::vector<std::vector<FactId>> sources;
+    for (OperatorId op = 0; op < this->num_operators(); ++op) sources.push_back(used_up(measure.composite, op));
+    for (std::size_t request = 0; request < width; ++request) {
+        const auto distance = measure.to_request(request_facts[request]);
+        for (OperatorId op = 0; op < this->num_operators(); ++op) {
+            std::array<Progress, 2> progress;
+            for (std::size_t model = 0; model < 2; ++model)
+                progress[model] = judge(nearest(sources[op], distance[model]), nearest(adds_[op], distance[model]));
+            if (std::ranges::find(fulfils[op], static_cast<std::int32_t>(request)) != fulfils[op].end())
+                progress = {Progress::kDone, Progress::kDone};
+            toward_request_[static_cast<std::size_t>(op) * width + request] = static_cast<std::uint8_t>(
+                static_cast<int>(progress[0]) * kNumProgress + static_cast<int>(progress[1]));
         }
     }
 }
 
-void TeamTables::find_places(const Task& task) {
-    const auto leads_nowhere = [this](FactId fact) {
-        const std::span all(row(fact, Model::kMental), 2 * num_targets());
-        return std::ranges::all_of(all, [](Distance distance) { return distance == kNoWay; });
+void TeamTables::measure_goals(const Measure& measure) {
+    const auto width = goals.size();
+    const auto num_facts = static_cast<std::size_t>(measure.composite.num_facts());
+    if (width > 0 && num_facts > kMaxEntries / (2 * width)) throw std::length_error("too many facts times goals");
+    std::vector<Distance> all(2 * width * num_facts);  // fact x model x goal
+    std::vector<bool> leads_somewhere(num_facts);
+    for (std::size_t goal = 0; goal < width; ++goal) {
+        const auto distance = measure.to_goal(goals[goal]);
+        for (std::size_t fact = 0; fact < num_facts; ++fact) {
+            for (std::size_t model = 0; model < 2; ++model) {
+                all[(2 * fact + model) * width + goal] = distance[model][fact];
+                if (distance[model][fact] != kNoWay) leads_somewhere[fact] = true;
+            }
+        }
+    }
+    find_tours(measure.composite, all);
+
+    std::int32_t num_places = 0;
+    const auto add_place = [&](std::span<const FactId> facts) {
+        const auto start = distances_.size();
+        if (start + 2 * width > kMaxEntries) throw std::length_error("too many places times goals");
+        distances_.resize(start + 2 * width, kNoWay);
+        for (const auto fact : facts)
+            for (std::size_t i = 0; i < 2 * width; ++i)
+                distances_[start + i] = std::min(distances_[start + i], all[2 * fact * width + i]);
+        return num_places++;
     };
-    for (OperatorId op = 0; op < task.num_operators(); ++op) {
-        auto from = used_up(task, op), to = all_adds(task, op);
-        std::erase_if(from, leads_nowhere);
-        std::erase_if(to, leads_nowhere);
-        sources_.push_back(from);
-        sinks_.push_back(to);
+    std::vector<std::int32_t> of_fact(num_facts, -1);
+    std::map<std::vector<FactId>, std::int32_t> of_facts;
+    const auto place_of = [&](std::vector<FactId> facts) {
+        std::erase_if(facts, [&](FactId fact) { return !leads_somewhere[fact]; });
+        if (facts.size() == 1) {
+            auto& place = of_fact[facts[0]];
+            return place >= 0 ? place : place = add_place(facts);
+        }
+        const auto [place, is_new] = of_facts.try_emplace(std::move(facts), num_places);
+        if (is_new) add_place(place->first);
+        return place->second;
+    };
+    for (OperatorId op = 0; op < num_operators(); ++op) {
+        from_.push_back(place_of(used_up(measure.composite, op)));
+        to_.push_back(place_of({adds_[op].begin(), adds_[op].end()}));
     }
 }
 
 // tours_[open][first] = steps that the other open goals take after `first`, one after another in the best order. A
 // goal that does not depend on where the one before leaves off adds nothing.
-void TeamTables::find_tours(const Task& task) {
+void TeamTables::find_tours(const Task& task, const std::vector<Distance>& distances) {
     const auto count = goals.size();
     if (count > kMaxTourGoals) return;
     std::vector<int> between(count * count, kNoWay);
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
         if (achieves[op].empty()) continue;
-        std::vector<FactId> after = all_adds(task, op);
+        std::vector<FactId> after(adds_[op].begin(), adds_[op].end());
         std::ranges::set_difference(task.preconditions[op], task.deletes[op], std::back_inserter(after));
         for (const auto goal : achieves[op])
             for (std::size_t other = 0; other < count; ++other)
-                for (const auto fact : after)
-                    between[goal * count + other] =
-                        std::min<int>(between[goal * count + other],
-                                      row(fact, Model::kMental)[request_facts.size() + other]);
+                for (const auto fact : after) {
+                    auto& steps = between[goal * count + other];
+                    steps = std::min<int>(steps, distances[2 * fact * count + other]);
+                }
     }
     std::ranges::replace(between, static_cast<int>(kNoWay), 0);
     tours_.assign(count << count, 0);
@@ -342,61 +427,54 @@ void TeamTables::find_tours(const Task& task) {
     }
 }
 
-Distance TeamTables::nearest_target(std::span<const FactId> facts, Model model, std::size_t target) const {
-    Distance nearest = kNoWay;
-    for (const auto fact : facts) nearest = std::min(nearest, row(fact, model)[target]);
-    return nearest;
-}
-
-Distance TeamTables::nearest_goal(std::span<const FactId> facts, Model model,
-                                  std::span<const Distance> closed) const {
-    Distance nearest = kNoWay;
-    for (const auto fact : facts) {
-        const Distance* const distance = row(fact, model) + request_facts.size();
-        for (std::size_t goal = 0; goal < closed.size(); ++goal)
-            nearest = std::min(nearest, static_cast<Distance>(distance[goal] | closed[goal]));
+GoalProgress TeamTables::toward_goals(OperatorId step, const OpenGoals& open) const {
+    if (open.num_open() == 0) return {Progress::kNoTarget, Progress::kNoTarget, Progress::kNoTarget};
+    for (const auto goal : achieves[step])
+        if (open.is_open(goal)) return {Progress::kDone, Progress::kDone, Progress::kDone};
+    const auto count = goals.size();
+    const Distance* const closed = open.closed();
+    const auto nearest = [closed, count](const Distance* distance) {
+        Distance least = kNoWay;
+        for (std::size_t goal = 0; goal < count; ++goal)
+            least = std::min(least, static_cast<Distance>(distance[goal] | closed[goal]));
+        return least;
+    };
+    const auto* const from = row(from_[step], Model::kMental);
+    const auto* const to = row(to_[step], Model::kMental);
+    GoalProgress progress{};
+    progress.mental = judge(nearest(from), nearest(to));
+    progress.own = judge(nearest(from + count), nearest(to + count));
+    if (count > kMaxTourGoals) {
+        progress.mission = progress.mental;
+        return progress;
     }
-    return nearest;
-}
-
-Distance TeamTables::mission(std::span<const FactId> facts, std::size_t open) const {
-    int best = kNoWay;
-    for (const auto fact : facts) {
-        const Distance* const distance = row(fact, Model::kMental) + request_facts.size();
-        for (std::size_t goal = 0; goal < goals.size(); ++goal)
-            if ((open >> goal & 1) && distance[goal] != kNoWay)
-                best = std::min(best, std::min(distance[goal] + tours_[open * goals.size() + goal], kNoWay - 1));
-    }
-    return static_cast<Distance>(best);
-}
-
-bool TeamTables::achieves_open_goal(OperatorId step, std::span<const Distance> closed) const {
-    return std::ranges::any_of(achieves[step], [&](std::int32_t goal) { return closed[goal] == 0; });
+    const Distance* const tours = tours_.data() + open.bits() * count;
+    const auto finish = [&](const Distance* distance) {
+        int least = kNoWay;
+        for (std::size_t goal = 0; goal < count; ++goal) {
+            const int here = distance[goal] | closed[goal];
+            least = std::min(least, here == kNoWay ? kNoWay : std::min(here + tours[goal], kNoWay - 1));
+        }
+        return static_cast<Distance>(least);
+    };
+    progress.mission = judge(finish(from), finish(to));
+    return progress;
 }
 
 bool TeamTables::takes_back(OperatorId step, OperatorId earlier) const {
-    return earlier >= 0 && !adds[step].empty() && std::ranges::includes(deletes[earlier], adds[step]);
+    return earlier >= 0 && adds_mask_[step] != 0 && (adds_mask_[step] & ~deletes_mask_[earlier]) == 0 &&
+           std::ranges::includes(deletes_[earlier], adds_[step]);
 }
 
-Progress TeamTables::toward_request(Model model, OperatorId step, int request) const {
-    if (request < 0) return Progress::kNoTarget;
-    if (std::ranges::find(fulfils[step], request) != fulfils[step].end()) return Progress::kDone;
-    const auto target = static_cast<std::size_t>(request);
-    return judge(nearest_target(sources_[step], model, target), nearest_target(sinks_[step], model, target));
-}
-
-Progress TeamTables::toward_nearest_goal(Model model, OperatorId step, std::span<const Distance> closed) const {
-    if (std::ranges::find(closed, Distance{0}) == closed.end()) return Progress::kNoTarget;
-    if (achieves_open_goal(step, closed)) return Progress::kDone;
-    return judge(nearest_goal(sources_[step], model, closed), nearest_goal(sinks_[step], model, closed));
-}
-
-Progress TeamTables::toward_mission(OperatorId step, std::span<const Distance> closed) const {
-    if (tours_.empty()) return toward_nearest_goal(Model::kMental, step, closed);
-    if (achieves_open_goal(step, closed)) return Progress::kDone;
-    std::size_t open = 0;
-    for (std::size_t goal = 0; goal < closed.size(); ++goal) open |= static_cast<std::size_t>(closed[goal] == 0) << goal;
-    return open == 0 ? Progress::kNoTarget : judge(mission(sources_[step], open), mission(sinks_[step], open));
+std::uint64_t TeamTables::equal_arguments(OperatorId step, OperatorId other) const {
+    const auto* const mine = arguments.data() + static_cast<std::size_t>(step) * max_arity;
+    const auto* const theirs = arguments.data() + static_cast<std::size_t>(other) * max_arity;
+    const auto count = std::min(max_arity, kMaxArguments);
+    std::uint64_t equal = 0;
+    for (std::size_t i = 0; i < count && mine[i] >= 0; ++i)
+        for (std::size_t j = 0; j < count; ++j)
+            equal |= std::uint64_t{mine[i] == theirs[j]} << (i * kMaxArguments + j);
+    return equal;
 }
 
 }  // namespace explicable

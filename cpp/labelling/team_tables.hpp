@@ -2,6 +2,7 @@
 // every step is from every target, in the robot's own model and in the mental model (docs/labelling.md).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,6 +14,8 @@ namespace explicable {
 using Distance = std::uint16_t;
 inline constexpr Distance kNoWay = 0xFFFF;
 inline constexpr int kMaxTourGoals = 10;  // with more open goals than this no best order is looked for
+
+inline constexpr std::size_t kMaxArguments = 8;  // further arguments are not compared
 
 enum class Model : int { kMental = 0, kOwn = 1 };
 
@@ -36,61 +39,102 @@ struct MentalNames {
     std::vector<std::int32_t> schema, predicate, object;
 };
 
+// The goals that are not fulfilled.
+class OpenGoals {
+public:
+    explicit OpenGoals(std::size_t num_goals) : count_(num_goals), num_open_(num_goals) {
+        if (num_goals > few_.size()) many_.resize(num_goals);
+        if (num_goals <= kMaxTourGoals) bits_ = (std::uint32_t{1} << num_goals) - 1;
+    }
+    OpenGoals(const OpenGoals&) = delete;
+
+    void close(std::size_t goal) {
+        auto& distance = mask()[goal];
+        num_open_ -= distance == 0;
+        distance = kNoWay;
+        if (count_ <= kMaxTourGoals) bits_ &= ~(std::uint32_t{1} << goal);
+    }
+    std::size_t num_open() const { return num_open_; }
+    std::uint32_t bits() const { return bits_; }  // only if there are no more than kMaxTourGoals
+    // kNoWay for a goal that is fulfilled, 0 for an open one.
+    const Distance* closed() const { return count_ > few_.size() ? many_.data() : few_.data(); }
+    bool is_open(std::size_t goal) const { return closed()[goal] == 0; }
+
+private:
+    Distance* mask() { return count_ > few_.size() ? many_.data() : few_.data(); }
+
+    std::array<Distance, 32> few_{};
+    std::vector<Distance> many_;
+    std::size_t count_, num_open_;
+    std::uint32_t bits_ = 0;
+};
+
+// Progress of a robot's step toward the open goals.
+struct GoalProgress {
+    Progress mental, own;  // toward the nearest
+    Progress mission;      // along the best order of all, in the mental model; toward the nearest if there are too many
+};
+
+// Progress of a robot's step toward what is requested.
+struct RequestProgress {
+    Progress mental, own;
+};
+
 class TeamTables {
 public:
-    // `goal`: facts of the composite task; `is_human`: one flag an object of it. Throws std::invalid_argument if sizes do not fit, and
-    // std::length_error if the table of distances would exceed `kMaxDistances` entries.
+    // `goal`: facts of the composite task; `is_human`: one flag an object of it. Throws std::invalid_argument if sizes
+    // do not fit, and std::length_error if a table would exceed `kMaxEntries`.
     TeamTables(const Task& composite, const Task& mental, const std::vector<FactId>& goal, const MentalNames& names,
                const std::vector<std::uint8_t>& is_human);
 
-    static constexpr std::size_t kMaxDistances = std::size_t{1} << 28;
+    static constexpr std::size_t kMaxEntries = std::size_t{1} << 28;
 
     std::int32_t num_operators() const { return static_cast<std::int32_t>(schema.size()); }
     int num_requests() const { return static_cast<int>(request_facts.size()); }
-    int num_goals() const { return static_cast<int>(goals.size()); }
 
-    // Progress of a robot's step toward what request `request` asks for.
-    Progress toward_request(Model model, OperatorId step, int request) const;
-    // Progress toward the nearest open goal; `closed` has kNoWay for a goal that is fulfilled, 0 for an open one.
-    Progress toward_nearest_goal(Model model, OperatorId step, std::span<const Distance> closed) const;
-    // Progress along the best order of all open goals in the mental model; toward the nearest if they are too many.
-    Progress toward_mission(OperatorId step, std::span<const Distance> closed) const;
+    // `request` may be -1: nothing is requested.
+    RequestProgress toward_request(OperatorId step, int request) const {
+        if (request < 0) return {Progress::kNoTarget, Progress::kNoTarget};
+        const auto code = toward_request_[static_cast<std::size_t>(step) * request_facts.size() +
+                                          static_cast<std::size_t>(request)];
+        return {static_cast<Progress>(code / kNumProgress), static_cast<Progress>(code % kNumProgress)};
+    }
+    GoalProgress toward_goals(OperatorId step, const OpenGoals& goals) const;
     // Whether an earlier step, or -1 for none, had deleted all that `step` adds.
     bool takes_back(OperatorId step, OperatorId earlier) const;
+    // Bit kMaxArguments * i + j: argument i of `step` is argument j of `other`.
+    std::uint64_t equal_arguments(OperatorId step, OperatorId other) const;
 
-    std::vector<std::int32_t> schema;     // of an operator
+    std::vector<std::int32_t> schema;     // of an operator; negative: auxiliary
     std::vector<std::uint8_t> is_human;   // the operator is a human's
     std::vector<std::uint8_t> in_mental;  // the mental task has it
-    int num_schemas = 0, max_arity = 0;
+    int num_schemas = 0;
+    std::size_t max_arity = 0;
     std::vector<std::int32_t> arguments;  // max_arity an operator, -1 where it has fewer
-    Table<FactId> adds, deletes;
-    std::vector<FactId> request_facts;   // the fact that a request adds
-    std::vector<std::int32_t> asks_for;  // request of a human operator, or -1
-    Table<std::int32_t> fulfils;         // requests that a robot's operator fulfils
+    std::vector<FactId> request_facts;    // the fact that a request adds
+    std::vector<std::int32_t> asks_for;   // request of a human operator, or -1
+    Table<std::int32_t> fulfils;          // requests that a robot's operator fulfils
     std::vector<FactId> goals;
     Table<std::int32_t> achieves;  // goals that an operator adds
 
 private:
     void find_requests(const Task& task);
     void find_goals(const Task& task);
-    void measure(const Task& composite, const Task& mental, const std::vector<FactId>& mental_fact,
-                 const std::vector<std::uint8_t>& mental_human);
-    void find_places(const Task& task);
-    void find_tours(const Task& task);
+    void measure_requests(const class Measure& measure);
+    void measure_goals(const class Measure& measure);
+    void find_tours(const Task& task, const std::vector<Distance>& distances);
 
-    std::size_t num_targets() const { return request_facts.size() + goals.size(); }
-    const Distance* row(FactId fact, Model model) const {
-        return distances_.data() + (2 * static_cast<std::size_t>(fact) + static_cast<std::size_t>(model)) * num_targets();
+    const Distance* row(std::int32_t place, Model model) const {
+        return distances_.data() + (2 * static_cast<std::size_t>(place) + static_cast<std::size_t>(model)) * goals.size();
     }
-    Distance nearest_target(std::span<const FactId> facts, Model model, std::size_t target) const;
-    Distance nearest_goal(std::span<const FactId> facts, Model model, std::span<const Distance> closed) const;
-    Distance mission(std::span<const FactId> facts, std::size_t open) const;
-    bool achieves_open_goal(OperatorId step, std::span<const Distance> closed) const;
 
-    std::vector<Distance> distances_;  // fact x model x (requests, then goals)
-    // A step leads from its sources to its sinks; facts from which no target can be reached are left out.
-    Table<FactId> sources_, sinks_;
+    std::vector<std::uint8_t> toward_request_;  // operator x request: both kinds of progress
+    // A place is a set of facts, as far from a goal as the nearest of them. A step leads from a place to a place.
+    std::vector<std::int32_t> from_, to_;
+    std::vector<Distance> distances_;  // place x model x goal
     std::vector<Distance> tours_;  // open goals (bits) x first goal: steps for the others, in the best order
+    Table<FactId> adds_, deletes_;
+    std::vector<std::uint64_t> adds_mask_, deletes_mask_;  // a bit for each fact, shared by many
 };
 
 }  // namespace explicable

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from explicable import _core
 from explicable.errors import ResourceError
-from explicable.labelling.templates import NOTHING, PROGRESS, TEMPLATES
+from explicable.labelling.templates import MAX_ARGUMENTS, NOTHING, PROGRESS, TEMPLATES
 from explicable.model.task import State
 from explicable.model.team import TeamTask, agent_kind
 
@@ -97,17 +97,14 @@ class TeamFeatures:
             yield _name("unbelieved", schema)
 
         request = walk.requests[-1] if walk.requests else -1
-        mental = PROGRESS[self.tables.toward_request(own=False, step=step.operator, request=request)]
-        own = PROGRESS[self.tables.toward_request(own=True, step=step.operator, request=request)]
+        mental, own = (PROGRESS[p] for p in self.tables.toward_request(step.operator, request))
         if mental != "done" and not set(self.tables.fulfils(step.operator)).isdisjoint(walk.requests):
             mental = own = "done-other"
-        goal = self.tables.toward_nearest_goal(own=False, step=step.operator, fulfilled=fulfilled)
-        goal_own = self.tables.toward_nearest_goal(own=True, step=step.operator, fulfilled=fulfilled)
-        mission = PROGRESS[self.tables.toward_mission(step=step.operator, fulfilled=fulfilled)]
+        goal, goal_own, mission = (PROGRESS[p] for p in self.tables.toward_goals(step.operator, fulfilled))
         yield _name("request", schema, mental)
         yield _name("request-own", schema, own)
-        yield _name("goal", schema, PROGRESS[goal])
-        yield _name("goal-own", schema, PROGRESS[goal_own])
+        yield _name("goal", schema, goal)
+        yield _name("goal-own", schema, goal_own)
         yield _name("mission", schema, mission)
         yield _name("models", mental, own)
         yield _name("request-mission", mental, mission)
@@ -155,8 +152,8 @@ def _name(template: str, *values: object) -> str:
 def _equalities(template: str, step: _SeenStep, other: _SeenStep | None) -> Iterator[str]:
     if other is None:
         return
-    for i, mine in enumerate(step.arguments, start=1):
-        for j, theirs in enumerate(other.arguments, start=1):
+    for i, mine in enumerate(step.arguments[:MAX_ARGUMENTS], start=1):
+        for j, theirs in enumerate(other.arguments[:MAX_ARGUMENTS], start=1):
             if mine == theirs:
                 yield _name(template, step.schema, other.schema, i, j)
 

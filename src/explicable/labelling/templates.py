@@ -24,6 +24,9 @@ NOTHING = "-"  # no name in PDDL
 BESIDE = (*PROGRESS, "human-step", NOTHING)
 """What may stand beside a step: a robot's step by its progress toward the request, a human's, or nothing."""
 
+MAX_ARGUMENTS = 8
+"""Further arguments of an action are not compared."""
+
 Kind = Literal["schema", "neighbour", "argument", "progress", "beside"]
 
 
@@ -132,7 +135,7 @@ def feature_code(
     numbers = {
         "schema": schemas,
         "neighbour": {**schemas, NOTHING: len(schemas)},
-        "argument": {str(place): place - 1 for place in range(1, max_arity + 1)},
+        "argument": {str(place): place - 1 for place in range(1, min(max_arity, MAX_ARGUMENTS) + 1)},
         "progress": _PROGRESS_NUMBERS,
         "beside": _BESIDE_NUMBERS,
     }
