@@ -110,7 +110,7 @@ void bind_scorer(nb::module_& module) {
              },
              "step"_a, "fulfilled"_a);
 
-    if (!nb::type<PathScorer>().is_valid()) nb::class_<PathScorer>(module, "PathScorer");
+    // The base PathScorer is bound with the search.
     nb::class_<BoundScorer, PathScorer>(module, "Scorer", "A labeller compiled for one team task.")
         .def(nb::new_(&make_scorer), "task"_a, "tables"_a, "weights"_a, "transitions"_a, "expected"_a,
              nb::keep_alive<0, 1>())

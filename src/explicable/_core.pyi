@@ -185,8 +185,6 @@ class SequenceLoss:
 
 # --- scorer (cpp/bindings/scorer.cpp) ---
 
-class PathScorer: ...
-
 class TeamTables:
     """What features see of a team task."""
 
