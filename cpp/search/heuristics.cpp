@@ -25,7 +25,9 @@ LandmarkCut::LandmarkCut(const Question& question, bool cuts)
         initial_pieces_.push_back({cost, unsatisfied, infinite_cost, always_fact_});
     };
     for (std::int32_t piece = 0; piece < relaxed.size(); ++piece) {
-        const std::int32_t cost = std::clamp(question.task.cost[relaxed.owner[piece]], 0, max_operator_cost);
+        if (relaxed.adds[piece].empty()) continue;
+        const OperatorId owner = relaxed.owner[relaxed.adds.offsets[piece]];
+        const std::int32_t cost = std::clamp(question.task.cost[owner], 0, max_operator_cost);
         add_piece(relaxed.preconditions[piece], relaxed.adds[piece], cost);
     }
     std::vector<FactId> goal(question.goal);

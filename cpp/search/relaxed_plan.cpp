@@ -7,13 +7,19 @@ namespace explicable {
 
 namespace {
 
+RelaxedTask merged(const Task& task, SupporterCost supporter_cost) {
+    RelaxedTask relaxed(task, supporter_cost);
+    relaxed.merge();
+    return relaxed;
+}
+
 std::int32_t saturated(std::int32_t a, std::int32_t b) { return std::min(a + b, infinite_cost); }
 
 }  // namespace
 
 RelaxedPlanner::RelaxedPlanner(const Task& task, std::span<const FactId> goal, SupporterCost supporter_cost)
     : task_(task),
-      relaxed_(task, supporter_cost),
+      relaxed_(merged(task, supporter_cost)),
       goal_(goal.begin(), goal.end()),
       is_goal_(task.num_facts(), 0),
       initial_counters_(relaxed_.size()),
@@ -22,7 +28,6 @@ RelaxedPlanner::RelaxedPlanner(const Task& task, std::span<const FactId> goal, S
       supporter_(task.num_facts()),
       fact_seen_(task.num_facts(), 0),
       fact_first_(task.num_facts(), 0),
-      piece_seen_(relaxed_.size(), 0),
       operator_seen_(task.num_operators(), 0),
       several_pieces_(task.effect_conditions.size() > 0) {
     for (const FactId fact : goal_) {
@@ -53,7 +58,7 @@ bool RelaxedPlanner::explore(const State& state) {
         }
     }
     for (const std::int32_t piece : relaxed_.without_preconditions) {
-        for (const FactId fact : relaxed_.adds[piece]) reach(fact, relaxed_.cost[piece], piece);
+        reach_adds(piece, relaxed_.cost[piece]);
     }
     std::int32_t missing = num_goals_;
     while (missing > 0 && !queue_.empty()) {
@@ -64,7 +69,7 @@ bool RelaxedPlanner::explore(const State& state) {
             Counter& counter = counters_[piece];
             counter.cost = saturated(counter.cost, cost);
             if (--counter.unsatisfied > 0) continue;
-            for (const FactId added : relaxed_.adds[piece]) reach(added, counter.cost, piece);
+            reach_adds(piece, counter.cost);
         }
     }
     return missing == 0;
@@ -72,13 +77,13 @@ bool RelaxedPlanner::explore(const State& state) {
 
 void RelaxedPlanner::extract() {
     if (++round_ == 0) {  // the counter of rounds has wrapped: forget all marks
-        for (auto* marks : {&fact_seen_, &fact_first_, &piece_seen_, &operator_seen_}) {
+        for (auto* marks : {&fact_seen_, &fact_first_, &operator_seen_}) {
             std::fill(marks->begin(), marks->end(), 0);
         }
         round_ = 1;
     }
     plan_.clear();
-    pieces_.clear();
+    supports_.clear();
     h_add_ = 0;
     for (const FactId fact : goal_) {
         h_add_ = saturated(h_add_, fact_cost_[fact]);
@@ -94,8 +99,9 @@ void RelaxedPlanner::extract_for(FactId goal) {
     while (!stack_.empty()) {
         Visit& visit = stack_.back();
         const FactId fact = visit.fact;
-        const std::int32_t piece = supporter_[fact];
-        if (piece >= 0) {
+        const std::int32_t support = supporter_[fact];
+        if (support >= 0) {
+            const std::int32_t piece = relaxed_.piece_of[support];
             const auto needed = relaxed_.preconditions[piece];
             while (visit.next < static_cast<std::int32_t>(needed.size()) && fact_seen_[needed[visit.next]] == round_) {
                 ++visit.next;
@@ -107,11 +113,11 @@ void RelaxedPlanner::extract_for(FactId goal) {
                 continue;
             }
             if (fact_cost_[fact] == relaxed_.cost[piece]) fact_first_[fact] = round_;
-            if (piece_seen_[piece] != round_) {
-                piece_seen_[piece] = round_;
-                pieces_.push_back(piece);
-                operator_seen_[relaxed_.owner[piece]] = round_;
-                if (!several_pieces_) plan_.push_back(relaxed_.owner[piece]);
+            const OperatorId id = relaxed_.owner[support];
+            if (several_pieces_ || operator_seen_[id] != round_) {
+                operator_seen_[id] = round_;
+                supports_.push_back(support);
+                plan_.push_back(id);
             }
         }
         stack_.pop_back();
@@ -120,8 +126,9 @@ void RelaxedPlanner::extract_for(FactId goal) {
 
 std::span<const OperatorId> RelaxedPlanner::ordered_plan() {
     sort_keys_.clear();
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-        sort_keys_.push_back(static_cast<std::uint64_t>(counters_[pieces_[i]].cost) << 32 | i);
+    for (std::size_t i = 0; i < supports_.size(); ++i) {
+        const std::int32_t cost = counters_[relaxed_.piece_of[supports_[i]]].cost;
+        sort_keys_.push_back(static_cast<std::uint64_t>(cost) << 32 | i);
     }
     std::sort(sort_keys_.begin(), sort_keys_.end());
     sorted_.clear();
@@ -132,12 +139,12 @@ std::span<const OperatorId> RelaxedPlanner::ordered_plan() {
             layer_cost = key >> 32;
             layer = sorted_.size();
         }
-        const OperatorId id = relaxed_.owner[pieces_[key & 0xffffffffU]];
+        const OperatorId id = relaxed_.owner[supports_[key & 0xffffffffU]];
         // Pieces of one operator at one cost are one execution of it.
         if (several_pieces_ && std::find(sorted_.begin() + layer, sorted_.end(), id) != sorted_.end()) continue;
         sorted_.push_back(id);
     }
-    plan_ = sorted_;
+    plan_.swap(sorted_);
     return plan_;
 }
 

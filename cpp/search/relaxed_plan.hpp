@@ -46,12 +46,12 @@ private:
     std::vector<char> is_goal_;
     std::int32_t num_goals_ = 0;
     std::vector<Counter> initial_counters_, counters_;
-    std::vector<std::int32_t> fact_cost_, supporter_;
+    std::vector<std::int32_t> fact_cost_, supporter_;  // a supporter is a place in relaxed_.adds
     CostQueue queue_;
 
     std::vector<OperatorId> plan_;
-    std::vector<std::int32_t> pieces_;  // of the plan, in depth-first order
-    std::vector<std::uint32_t> fact_seen_, fact_first_, piece_seen_, operator_seen_;
+    std::vector<std::int32_t> supports_;  // places in relaxed_.adds that the plan uses, in depth-first order
+    std::vector<std::uint32_t> fact_seen_, fact_first_, operator_seen_;  // round of the mark
     std::uint32_t round_ = 0;
     std::vector<Visit> stack_;
     std::vector<std::uint64_t> sort_keys_;
@@ -59,12 +59,16 @@ private:
     std::int32_t h_add_ = 0;
     bool several_pieces_;
 
-    void reach(FactId fact, std::int32_t cost, std::int32_t piece) {
+    void reach(FactId fact, std::int32_t cost, std::int32_t support) {
         if (cost < fact_cost_[fact]) {
             fact_cost_[fact] = cost;
-            supporter_[fact] = piece;
+            supporter_[fact] = support;
             queue_.push(cost, fact);
         }
+    }
+    void reach_adds(std::int32_t piece, std::int32_t cost) {
+        const auto& adds = relaxed_.adds;
+        for (std::int32_t i = adds.offsets[piece]; i < adds.offsets[piece + 1]; ++i) reach(adds.values[i], cost, i);
     }
     bool explore(const State& state);
     void extract();

@@ -31,9 +31,12 @@ int NoveltyTable::novelty(std::uint32_t state_class, std::span<const FactId> add
     for (const FactId fact : added) {
         new_fact |= !seen[fact];
         seen[fact] = true;
+    }
+    if (new_fact) return 1;
+    for (const FactId fact : added) {
         for (const FactId other : facts) new_pair |= enter_pair(state_class, fact, other);
     }
-    return new_fact ? 1 : new_pair ? 2 : 3;
+    return new_pair ? 2 : 3;
 }
 
 bool NoveltyTable::enter_pair(std::uint32_t state_class, FactId a, FactId b) {

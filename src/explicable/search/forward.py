@@ -56,8 +56,8 @@ def search(
             A* with ``weight`` on the heuristic.
         ``"anytime"``
             A first plan by ``"default"``, then restarting weighted A* [5]_ in turns with A*, until the best
+            A first plan by ``"default"``, then restarting weighted A* [5]_ in turns with A*, until the best
             plan is proved optimal or a limit is reached. With a scorer it minimises cost + alpha * dist (Eq. 3).
-    initial_state, goal
         Where to start and what to reach, if not what the task says; the goal as facts or atoms.
     heuristic
         For ``"astar"`` (``"lmcut"``, ``"hmax"``, ``"blind"``) and ``"wastar"`` (``"ff"`` as well).
