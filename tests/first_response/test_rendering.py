@@ -78,6 +78,27 @@ def test_views_are_the_robots_and_the_humans():
         render(World(("@*",)), "bird")
 
 
+@given(worlds(), st.sampled_from([0.25, 1.0]))
+def test_a_plan_that_plays_itself_shows_every_step_in_time(world, step_s):
+    plan = commanded_plan(world)
+    root = ET.fromstring(render(world, "robot", plan, step_s=step_s))  # noqa: S314
+    animations = [*root.iter(f"{SVG}animate"), *root.iter(f"{SVG}animateTransform")]
+    assert {animation.get("dur") for animation in animations} == {f"{(len(plan) + 4) * step_s:g}s"}
+    for animation in animations:
+        times = [float(time) for time in animation.get("keyTimes").split(";")]
+        assert len(times) == len(animation.get("values").split(";"))
+        assert times == sorted(times)
+        assert times[0] == 0
+        assert times[-1] <= 1
+    assert "<animate" not in render(world, "robot", plan)
+
+
+@pytest.mark.parametrize("step_s", [-1, float("nan"), float("inf")])
+def test_times_that_cannot_be_are_refused(step_s):
+    with pytest.raises(UsageError, match="cannot take"):
+        render(World(("@*",)), step_s=step_s)
+
+
 def test_large_maps_and_teams_stay_of_sensible_size():
     world = generate(np.random.default_rng(0), height=64, width=64, num_marks=30, num_robots=3)
     svg = render(world, "robot", key=True)

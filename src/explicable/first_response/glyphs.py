@@ -124,14 +124,20 @@ def robot_head(name: str = "robot") -> str:
     )
 
 
-def room_badge(letter: str, order: int | None = None, *, doubted: bool = False) -> str:
-    """Draw the sign of a marked room around the origin, with the order of its visit once it is visited."""
-    ring = f'stroke="{shade(0)}" stroke-dasharray="5 3"' if doubted else f'stroke="{ROOM_INK}"'
-    drawing = f'<circle r="12" fill="{PAPER}" {ring} stroke-width="3"/>'
-    drawing += label(0, 4.6, letter, size=13 if len(letter) < 3 else 9, fill=ROOM_INK)
-    if order is not None:
-        drawing += f'<circle cx="14" cy="14" r="8" fill="{ROOM_INK}"/>'
-        drawing += label(14, 17.8, str(order), size=11 if order < 100 else 8, fill=PAPER)
+def room_badge(letter: str) -> str:
+    """Draw the sign of a marked room around the origin."""
+    badge = f'<circle r="12" fill="{PAPER}" stroke="{ROOM_INK}" stroke-width="3"/>'
+    return badge + label(0, 4.6, letter, size=13 if len(letter) < 3 else 9, fill=ROOM_INK)
+
+
+def visit_badge(order: int, *, doubted: bool = False) -> str:
+    """Draw the order of a visit over a room's badge; a doubted one makes its ring orange and dashed."""
+    drawing = f'<circle cx="14" cy="14" r="8" fill="{ROOM_INK}"/>'
+    drawing += label(14, 17.8, str(order), size=11 if order < 100 else 8, fill=PAPER)
+    if doubted:
+        ring = f'<circle r="12" fill="none" stroke="{PAPER}" stroke-width="4"/>'
+        ring += f'<circle r="12" fill="none" stroke="{shade(0)}" stroke-width="3" stroke-dasharray="5 3"/>'
+        return ring + drawing
     return drawing
 
 

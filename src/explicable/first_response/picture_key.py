@@ -61,7 +61,7 @@ def plan_signs() -> list[tuple[str, str]]:
         (_arrow(1, dashed=False), "explicable step"),
         (_arrow(0, dashed=True), "inexplicable step"),
         (glyphs.command_cells([(0, 0)]) + glyphs.command_label(4, 14, "2A", size=14), "2nd command, to A"),
-        (_room() + _in_middle(glyphs.room_badge("A", 1)), "room A, visited first"),
+        (_room() + _in_middle(glyphs.room_badge("A") + glyphs.visit_badge(1)), "room A, visited first"),
     ]
 
 

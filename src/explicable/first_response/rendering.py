@@ -4,17 +4,20 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import inf
 from string import ascii_uppercase
 from typing import get_args
 
 from explicable.errors import UsageError
 from explicable.first_response import glyphs
+from explicable.first_response.animation import Clock
+from explicable.first_response.arrows import centre, draw_arrows
 from explicable.first_response.encoding import robot_name
 from explicable.first_response.glyphs import CELL
 from explicable.first_response.picture_key import draw_key
-from explicable.first_response.routes import Command, Passage, Routes, trace_routes
+from explicable.first_response.routes import Command, Routes, trace_routes
 from explicable.first_response.world import Cell, View, World, cell_name
-from explicable.model.plan import JointPlan, format_action
+from explicable.model.plan import JointPlan
 from explicable.model.problem import GroundAtom
 
 LARGE = 2500
@@ -23,8 +26,6 @@ LARGEST_PX = 1600
 """Largest width or height that a picture asks for, in pixels."""
 NARROWEST_PX = 240
 """Least width of a picture with a title or a key."""
-LANE, NEXT_LANE, NUM_LANES = 4, 8, 3
-"""A way lies so far to the right of the middle, each time it is gone again so much more, but for the last."""
 
 
 def render(
@@ -35,6 +36,7 @@ def render(
     probabilities: Sequence[float] | None = None,
     title: str | None = None,
     key: bool = False,
+    step_s: float = 0,
 ) -> str:
     """Draw a map and, if given, a plan on it.
 
@@ -58,6 +60,8 @@ def render(
         Heading, also the picture's accessible name.
     key
         Whether to explain the signs below the map.
+    step_s
+        Seconds for each step where the plan is to play itself, over and over; 0 for a still picture.
 
     Returns
     -------
@@ -69,7 +73,7 @@ def render(
     PlanError
         The plan does not fit the map.
     UsageError
-        An unknown view, or not one label or one probability a step.
+        An unknown view, a time that cannot be, or not one label or one probability a step.
 
     Examples
     --------
@@ -78,17 +82,25 @@ def render(
     """
     if view not in get_args(View):
         raise UsageError(f"a map is seen by {' or '.join(get_args(View))}, not by {view!r}")
+    if not 0 <= step_s < inf:
+        raise UsageError(f"a step cannot take {step_s} seconds")
     actions = plan.actions if isinstance(plan, JointPlan) else tuple(plan or ())
     doubted = _doubted_steps(actions, labels, probabilities)
     routes = trace_routes(world, actions)
     names = dict(zip(world.marks, _letters(len(world.marks)), strict=True))
 
     canvas = _canvas(world)
-    parts = _floor_plan(world, view, routes.commands)
+    clock = Clock(len(actions), step_s)
+    removed = {way.end: way.step for way in routes.passages if actions[way.step][0] == "remove-obstacle"}
+    parts = _floor_plan(world, view, routes.commands, removed, clock)
     for robot in range(len(world.robots)):
         passages = [passage for passage in routes.passages if passage.robot == robot_name(robot)]
-        parts += _arrows(passages, actions, doubted, probabilities, double=robot > 0, scale=canvas.emphasis)
-    parts += _signs(world, routes, names, doubted, canvas.emphasis)
+        parts += draw_arrows(
+            passages, actions, doubted, probabilities, double=robot > 0, scale=canvas.emphasis, clock=clock
+        )
+    parts += _room_signs(routes, names, doubted, canvas.emphasis, clock)
+    parts += _robot_signs(world, routes, canvas.emphasis, clock)
+    parts += _command_labels(routes.commands, names, canvas.emphasis, clock)
     # From here on in pixels: title and key have the same size with every map.
     width, height = canvas.width / canvas.zoom, canvas.height / canvas.zoom
     left, top = 0.0, 0.0
@@ -179,7 +191,9 @@ def _letters(count: int) -> list[str]:
     return names[:count]
 
 
-def _floor_plan(world: World, view: View, commands: Sequence[Command]) -> list[str]:
+def _floor_plan(
+    world: World, view: View, commands: Sequence[Command], removed: dict[Cell, int], clock: Clock
+) -> list[str]:
     width, height = world.width * CELL, world.height * CELL
     large = world.width * world.height >= LARGE
     parts = [f'<rect width="{width}" height="{height}" fill="{glyphs.FLOOR_INK}"/>']
@@ -190,8 +204,10 @@ def _floor_plan(world: World, view: View, commands: Sequence[Command]) -> list[s
     if view == "robot":
         parts.append(glyphs.hidden_obstacles(world.hidden, hatched=not large))
     parts.append(glyphs.path(glyphs.boxes(world.marks), fill=glyphs.ROOM_FILL))
-    parts.append(glyphs.command_cells({command.cell for command in commands}))
-    parts.append(glyphs.crates(world.obstacles))
+    first = {command.cell: command.step for command in reversed(commands)}
+    parts += [f"<g>{glyphs.command_cells([cell])}{clock.appear(step)}</g>" for cell, step in first.items()]
+    parts.append(glyphs.crates(world.obstacles - removed.keys()))
+    parts += [f"<g>{glyphs.crates([cell])}{clock.vanish(step)}</g>" for cell, step in removed.items()]
     parts.append(glyphs.path(glyphs.boxes(world.walls), fill=glyphs.WALL_INK))
     parts.append(
         f'<rect x="0.5" y="0.5" width="{width - 1}" height="{height - 1}" fill="none" '
@@ -200,107 +216,54 @@ def _floor_plan(world: World, view: View, commands: Sequence[Command]) -> list[s
     return parts
 
 
-def _arrows(
-    passages: Sequence[Passage],
-    actions: Sequence[GroundAtom],
-    doubted: frozenset[int],
-    probabilities: Sequence[float] | None,
-    *,
-    double: bool,
-    scale: float,
+def _room_signs(
+    routes: Routes, names: dict[Cell, str], doubted: frozenset[int], scale: float, clock: Clock
 ) -> list[str]:
-    """Draw one robot's way, each step beginning where the one before it ends."""
     parts = []
-    begin: list[glyphs.Point] = []
-    heads_apart = 1 if scale == 1 else round(2 * scale)
-    for index, passage in enumerate(passages):
-        step = passage.step
-        probability = float(step not in doubted) if probabilities is None else probabilities[step]
-        colour = glyphs.shade(min(1.0, max(0.0, probability)))
-        caption = f"{step + 1}. {format_action(actions[step])}"
-        if probabilities is not None:
-            caption += f", explicable with probability {probability:.2f}"
-        elif step in doubted:
-            caption += ", inexplicable"
-        start = begin or [_aside(_centre(passage.start), passage)]
-        end, begin = _join(passage, passages[index + 1] if index + 1 < len(passages) else None)
-        drawing = glyphs.line([*start, end], colour, dashed=step in doubted, double=double, scale=scale)
-        if index % heads_apart == 0:
-            x, y = _centre(passage.start)
-            right, down = _heading(passage)
-            border = x + right * CELL / 2, y + down * CELL / 2
-            drawing += glyphs.arrow_head(_aside(border, passage), (right, down), colour, scale)
-        parts.append(f"<g><title>{glyphs.clean(caption)}</title>{drawing}</g>")
+    for room, letter in names.items():
+        caption = f"<title>room {letter}, {cell_name(room)}</title>"
+        parts.append(glyphs.placed(caption + glyphs.room_badge(letter), *centre(room), scale))
+    for order, visit in enumerate(routes.visits, 1):
+        sign = glyphs.visit_badge(order, doubted=visit.step in doubted) + clock.appear(visit.step)
+        parts.append(glyphs.placed(sign, *centre(visit.room), scale))
     return parts
 
 
-def _join(passage: Passage, following: Passage | None) -> tuple[glyphs.Point, list[glyphs.Point]]:
-    """Return where a step's line ends, and the points with which the next one begins."""
-    centre = _centre(passage.end)
-    end = _aside(centre, passage)
-    if following is None:
-        return end, []
-    right, down = _heading(passage)
-    next_right, next_down = _heading(following)
-    if (next_right, next_down) == (-right, -down):  # turning back: a small loop behind the middle
-        end = end[0] + right * 4, end[1] + down * 4
-        beside = _aside(centre, following)
-        return end, [end, (beside[0] + right * 4, beside[1] + down * 4)]
-    if (next_right, next_down) == (right, down):
-        if _offset(passage) == _offset(following):
-            return end, [end]
-        beside = _aside(centre, following)
-        return end, [end, (beside[0] + right * 9, beside[1] + down * 9)]
-    corner = _aside(end, following)
-    return corner, [corner]
-
-
-def _centre(cell: Cell) -> glyphs.Point:
-    return cell[1] * CELL + CELL / 2, cell[0] * CELL + CELL / 2
-
-
-def _heading(passage: Passage) -> tuple[int, int]:
-    return passage.end[1] - passage.start[1], passage.end[0] - passage.start[0]
-
-
-def _offset(passage: Passage) -> int:
-    return LANE + NEXT_LANE * min(passage.lane, NUM_LANES - 1)
-
-
-def _aside(point: glyphs.Point, passage: Passage) -> glyphs.Point:
-    """Move a point to the right of where the step leads."""
-    right, down = _heading(passage)
-    return point[0] - down * _offset(passage), point[1] + right * _offset(passage)
-
-
-def _signs(
-    world: World, routes: Routes, names: dict[Cell, str], doubted: frozenset[int], scale: float
-) -> list[str]:
-    """Draw what lies above the ways: rooms, robots, and which commands are given where."""
-    order = {visit.room: index for index, visit in enumerate(routes.visits, 1)}
-    in_doubt = {visit.room for visit in routes.visits if visit.step in doubted}
+def _robot_signs(world: World, routes: Routes, scale: float, clock: Clock) -> list[str]:
     parts = []
-    for room, letter in names.items():
-        badge = glyphs.room_badge(letter, order.get(room), doubted=room in in_doubt)
-        caption = f"<title>room {letter}, {cell_name(room)}</title>"
-        parts.append(glyphs.placed(caption + badge, *_centre(room), scale))
-    for index, cell in enumerate(world.robots):
-        head = glyphs.robot_head(robot_name(index))
+    for index, start in enumerate(world.robots):
+        name = robot_name(index)
+        head = glyphs.robot_head(name)
         if len(world.robots) > 1:
-            head += glyphs.label(0, 21, robot_name(index), size=10, fill=glyphs.INK)
-        parts.append(glyphs.placed(head, *_centre(cell), scale))
-    given: dict[Cell, list[str]] = defaultdict(list)
-    for index, command in enumerate(routes.commands, 1):
-        given[command.cell].append(f"{index}{names[command.room]}")
-    # One command in each corner of the cell, more than four as a range.
+            head += glyphs.label(0, 21, name, size=10, fill=glyphs.INK)
+        head = glyphs.placed(head, 0, 0, scale)
+        if clock.is_running:
+            places = [start] * (clock.num_steps + 1)
+            for passage in routes.passages:
+                if passage.robot == name:
+                    places[passage.step + 1 :] = [passage.end] * (clock.num_steps - passage.step)
+            head = f"<g>{head}{clock.travel([centre(place) for place in places])}</g>"
+        parts.append(glyphs.placed(head, *centre(start)))
+    return parts
+
+
+def _command_labels(
+    commands: Sequence[Command], names: dict[Cell, str], scale: float, clock: Clock
+) -> list[str]:
+    """Write which commands are given where: one in each corner of a cell, more than four as a range."""
+    given: dict[Cell, list[tuple[str, int]]] = defaultdict(list)
+    for order, command in enumerate(commands, 1):
+        given[command.cell].append((f"{order}{names[command.room]}", command.step))
     corners = ((-20, -11, "start"), (20, -11, "end"), (-20, 20, "start"), (20, 20, "end"))
+    parts = []
     for cell, texts in given.items():
-        shown = texts if len(texts) <= len(corners) else [f"{texts[0]} …", texts[-1]]
-        x, y = _centre(cell)
-        parts += [
-            glyphs.command_label(x + right * scale, y + down * scale, text, size=11 * scale, anchor=anchor)
-            for text, (right, down, anchor) in zip(shown, corners, strict=False)
-        ]
+        shown = texts if len(texts) <= len(corners) else [(f"{texts[0][0]} …", texts[0][1]), texts[-1]]
+        x, y = centre(cell)
+        for (text, step), (right, down, anchor) in zip(shown, corners, strict=False):
+            label = glyphs.command_label(
+                x + right * scale, y + down * scale, text, size=11 * scale, anchor=anchor
+            )
+            parts.append(f"<g>{label}{clock.appear(step)}</g>" if clock.is_running else label)
     return parts
 
 
