@@ -5,7 +5,14 @@
 namespace explicable::grounding {
 namespace {
 
-constexpr std::size_t max_conjunctions = 4096;  // of one formula; each becomes an operator or effect of its own
+// Of one formula; each becomes an operator or effect of its own. Disjunctions grow no larger than what is written,
+// but a product of them may grow exponentially.
+constexpr std::size_t max_products = std::size_t{1} << 14;
+constexpr std::size_t max_conjunctions = std::size_t{1} << 20;
+
+[[noreturn]] void refuse(std::size_t limit) {
+    throw TooLarge("a condition splits into more than " + std::to_string(limit) + " conjunctions");
+}
 
 // Conjunction of literals that every disjunct shares, times disjunctions that don't collapse to one.
 class Product {
@@ -25,9 +32,7 @@ public:
                 both.insert(both.end(), right.begin(), right.end());
                 if (!normalise(both)) continue;
                 next.push_back(std::move(both));
-                if (next.size() > max_conjunctions)
-                    throw TooLarge("a condition splits into more than " + std::to_string(max_conjunctions) +
-                                   " conjunctions");
+                if (next.size() > max_products) refuse(max_products);
             }
         std::sort(next.begin(), next.end());
         next.erase(std::unique(next.begin(), next.end()), next.end());
@@ -63,8 +68,7 @@ public:
             result_.push_back(std::move(conjunction));
         }
         if (result_.size() > max_conjunctions) tidy();
-        if (result_.size() > max_conjunctions)
-            throw TooLarge("a condition splits into more than " + std::to_string(max_conjunctions) + " conjunctions");
+        if (result_.size() > max_conjunctions) refuse(max_conjunctions);
         return false;
     }
     Disjunction take() {

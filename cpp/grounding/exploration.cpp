@@ -24,24 +24,21 @@ Exploration::Exploration(LiftedTask& task, std::size_t memory_limit_bytes, std::
                   poll();
               }),
       conditions_(database_, joiner_),
-      triggers_(task.arity.size()),
-      binding_(task.num_variables) {
-    for (Schema& schema : task.schemas) forms_.push_back(take_apart(schema));
-    conditions_.prepare(task.goal);
-    for (std::size_t s = 0; s < forms_.size(); ++s) {
-        Form& form = forms_[s];
-        const auto schema = static_cast<std::int32_t>(s);
-        const auto num_slots = static_cast<std::int32_t>(form.atom_of_slot.size());
-        if (matched_.size() < form.atom_of_slot.size()) matched_.resize(num_slots);
-        if (num_slots == 0) untriggered_.push_back({schema, plan_join(database_, form.query)});
-        for (std::int32_t slot = 0; slot < num_slots; ++slot) {
-            const std::int32_t atom = form.atom_of_slot[slot];
-            for (JoinAtom& other : form.query.atoms)
-                other.not_trigger = other.slot >= 0 && other.slot < slot;
-            const std::int32_t predicate = form.query.atoms[atom].predicate;
-            triggers_[predicate].push_back({schema, plan_join(database_, form.query, atom)});
+      triggers_(task.arity.size()) {
+    for (std::size_t s = 0; s < task.schemas.size(); ++s)
+        variants_.push_back(split_precondition(task.schemas[s], task.num_variables));
+    for (std::size_t s = 0; s < task.schemas.size(); ++s) {
+        for (LiftedEffect& effect : task.schemas[s].effects)
+            if (!effect.is_simple()) conditions_.prepare(effect);
+        for (Variant& variant : variants_[s]) {
+            for (Formula& part : variant.conjuncts) conditions_.prepare(part);
+            take_apart(static_cast<std::int32_t>(s), variant,
+                       variants_[s].size() > 1 || !variant.variables.empty());
         }
     }
+    conditions_.prepare(task.goal);
+    binding_.resize(task.num_variables);
+    for (std::size_t form = 0; form < forms_.size(); ++form) plan_joins(static_cast<std::int32_t>(form));
     for (const FunctionValues& function : task.functions) {
         Relation& rows = function_rows_.emplace_back(function.arity, task.num_objects);
         for (std::size_t i = 0; i < function.values.size(); ++i)
@@ -51,12 +48,27 @@ Exploration::Exploration(LiftedTask& task, std::size_t memory_limit_bytes, std::
     database_.index_static_rows();
 }
 
-Exploration::Form Exploration::take_apart(Schema& schema) {
-    Form form;
-    form.schema = &schema;
-    conditions_.prepare(schema.precondition);
+void Exploration::plan_joins(std::int32_t number) {
+    Form& form = forms_[number];
+    const auto num_slots = static_cast<std::int32_t>(form.atom_of_slot.size());
+    if (std::ssize(matched_) < num_slots) matched_.resize(num_slots);
+    if (num_slots == 0) untriggered_.push_back({number, plan_join(database_, form.query)});
+    for (std::int32_t slot = 0; slot < num_slots; ++slot) {
+        const std::int32_t atom = form.atom_of_slot[slot];
+        for (JoinAtom& other : form.query.atoms) other.not_trigger = other.slot >= 0 && other.slot < slot;
+        triggers_[form.query.atoms[atom].predicate].push_back({number, plan_join(database_, form.query, atom)});
+    }
+}
+
+void Exploration::take_apart(std::int32_t number, const Variant& variant, bool may_repeat) {
+    const Schema& schema = task_.schemas[number];
+    Form& form = forms_.emplace_back();
+    form.schema = number;
+    form.may_repeat = may_repeat;
     for (std::size_t i = 0; i < schema.domains.size(); ++i)
         form.query.variables.push_back({static_cast<std::int32_t>(i), schema.domains[i]});
+    for (std::size_t i = 0; i < variant.variables.size(); ++i)
+        form.query.variables.push_back({variant.variables[i], variant.domains[i]});
     auto take_conjunct = [&](const Formula& part) {
         if (part.kind == Formula::Kind::equality) {
             form.query.filters.push_back({true, part.negated, -1, part.terms});
@@ -72,16 +84,10 @@ Exploration::Form Exploration::take_apart(Schema& schema) {
             form.query.atoms.push_back({part.predicate, part.terms, slot, false});
         }
     };
-    if (schema.precondition.kind == Formula::Kind::conjunction)
-        for (const Formula& part : schema.precondition.parts) take_conjunct(part);
-    else
-        take_conjunct(schema.precondition);
+    for (const Formula& part : variant.conjuncts) take_conjunct(part);
 
-    for (LiftedEffect& effect : schema.effects) {
-        if (!effect.is_simple()) {
-            conditions_.prepare(effect);
-            form.has_conditional_effects = true;
-        }
+    for (const LiftedEffect& effect : schema.effects) {
+        form.has_conditional_effects = form.has_conditional_effects || !effect.is_simple();
         std::int32_t slot = -1;
         for (const JoinAtom& atom : form.query.atoms)
             if (atom.slot >= 0 && atom.predicate == effect.predicate && effect.is_simple() &&
@@ -89,13 +95,12 @@ Exploration::Form Exploration::take_apart(Schema& schema) {
                 slot = atom.slot;
         form.effect_slot.push_back(slot);
     }
-    return form;
 }
 
 void Exploration::run() {
     for (FactId fact = 0; fact < database_.num_initial(); ++fact) reach(fact);
     for (const Trigger& trigger : untriggered_)
-        joiner_.run(trigger.plan, binding_.data(), matched_.data(), [&] { instantiate(trigger.schema); });
+        joiner_.run(trigger.plan, binding_.data(), matched_.data(), [&] { instantiate(trigger.form); });
     for (std::size_t next = 0; next < queue_.size(); ++next) process(queue_[next]);
     check_limits();
 }
@@ -112,7 +117,7 @@ void Exploration::process(FactId fact) {
     joiner_.tick();
     database_.mark_processed(fact);
     for (const Trigger& trigger : triggers_[database_.predicate_of(fact)])
-        joiner_.run(trigger.plan, fact, binding_.data(), matched_.data(), [&] { instantiate(trigger.schema); });
+        joiner_.run(trigger.plan, fact, binding_.data(), matched_.data(), [&] { instantiate(trigger.form); });
     if (std::size_t(fact) >= waiting_.size()) return;
     const auto waiting = std::exchange(waiting_[fact], {});
     for (const std::int32_t number : waiting) {
@@ -149,7 +154,7 @@ std::int64_t Exploration::ground_cost(const Schema& schema) {
 void Exploration::instantiate(std::int32_t number) {
     joiner_.tick();
     const Form& form = forms_[number];
-    const Schema& schema = *form.schema;
+    const Schema& schema = task_.schemas[form.schema];
     const std::int64_t cost = ground_cost(schema);
     if (cost < 0) return;
 
@@ -171,20 +176,20 @@ void Exploration::instantiate(std::int32_t number) {
     }
 
     if (form.conditions.empty()) {
-        add_operator(number, static_cast<std::int32_t>(cost), precondition);
+        add_operator(form, static_cast<std::int32_t>(cost), precondition);
         return;
     }
     for (const Conjunction& conjunction : conditions_.ground(precondition, form.conditions, binding_.data()))
-        add_operator(number, static_cast<std::int32_t>(cost), conjunction);
+        add_operator(form, static_cast<std::int32_t>(cost), conjunction);
 }
 
-void Exploration::add_operator(std::int32_t number, std::int32_t cost, const Conjunction& precondition) {
-    const Form& form = forms_[number];
+void Exploration::add_operator(const Form& form, std::int32_t cost, const Conjunction& precondition) {
+    if (form.may_repeat && is_repeated(form, precondition)) return;
     const std::int32_t op = operators_.size();
-    const auto num_parameters = static_cast<std::ptrdiff_t>(form.schema->domains.size());
+    const auto num_parameters = task_.schemas[form.schema].domains.size();
     operators_.preconditions.push_back(precondition);
     operators_.cost.push_back(cost);
-    operators_.schema.push_back(number);
+    operators_.schema.push_back(form.schema);
     operators_.arguments.push_back(std::span(binding_.data(), num_parameters));
     operators_.reached.push_back(0);
     if (form.has_conditional_effects) {
@@ -202,6 +207,13 @@ void Exploration::add_operator(std::int32_t number, std::int32_t cost, const Con
     if (form.conditions.empty() || !wait(operators_.preconditions[op], op, -1)) fire(op);
 }
 
+bool Exploration::is_repeated(const Form& form, const Conjunction& precondition) {
+    std::vector<std::int32_t> key{form.schema};
+    key.insert(key.end(), binding_.begin(), binding_.begin() + std::ssize(task_.schemas[form.schema].domains));
+    key.insert(key.end(), precondition.begin(), precondition.end());
+    return !operators_seen_.insert(std::move(key)).second;
+}
+
 // Effects that turn out to be unconditional join adds_ and deletes_; the others are grouped by condition.
 void Exploration::add_conditional_effects(const Form& form) {
     struct Change {
@@ -211,7 +223,7 @@ void Exploration::add_conditional_effects(const Form& form) {
         auto operator<=>(const Change&) const = default;
     };
     std::vector<Change> changes;
-    for (const LiftedEffect& effect : form.schema->effects) {
+    for (const LiftedEffect& effect : task_.schemas[form.schema].effects) {
         if (effect.is_simple()) continue;
         joiner_.run(conditions_.join(effect.join), binding_.data(), nullptr, [&] {
             const Disjunction condition = conditions_.ground(effect.condition, binding_.data());
@@ -269,9 +281,11 @@ void Exploration::check_limits() const {
                                    operators_.deletes.values.size(), operators_.effect_conditions.values.size(),
                                    operators_.arguments.values.size(), 2 * std::size_t(database_.num_facts())})
         if (size > largest) throw TooLarge("the task has more than 2^31 facts, operators or conditions");
+    constexpr std::size_t bytes_a_key = 128;  // roughly, in a set
+    const std::size_t seen = bytes_a_key * operators_seen_.size();
     const std::size_t waiting = waiting_.capacity() * sizeof(std::vector<int>) + rules_.capacity() * (sizeof(Rule) + 8);
     // The finished task is built beside what is counted here, and is no larger.
-    const std::size_t bytes = 2 * (database_.memory_bytes() + operators_.memory_bytes() + waiting);
+    const std::size_t bytes = 2 * (database_.memory_bytes() + operators_.memory_bytes() + waiting + seen);
     if (bytes > memory_limit_bytes_)
         throw TooLarge("grounding needs more than the allowed " + std::to_string(memory_limit_bytes_ >> 20) + " MiB");
 }

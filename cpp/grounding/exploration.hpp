@@ -9,9 +9,11 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <set>
 #include <vector>
 
 #include "grounding/conditions.hpp"
+#include "grounding/splitting.hpp"
 
 namespace explicable::grounding {
 
@@ -42,9 +44,10 @@ public:
     RawOperators& operators() { return operators_; }
 
 private:
-    // A schema taken apart; slots number the fluent atoms among its conjuncts.
+    // A schema, or a variant of it, taken apart; slots number the fluent atoms among its conjuncts.
     struct Form {
-        const Schema* schema = nullptr;
+        std::int32_t schema = 0;
+        bool may_repeat = false;  // several bindings may lead to the same operator
         JoinQuery query;
         std::vector<std::int32_t> atom_of_slot;
         std::vector<JoinFilter> negative;       // fluent, negated: never in the way of the relaxation
@@ -53,7 +56,7 @@ private:
         bool has_conditional_effects = false;
     };
     struct Trigger {
-        std::int32_t schema;
+        std::int32_t form;
         JoinPlan plan;
     };
     // An operator, or one of its conditional effects, that waits for facts.
@@ -61,11 +64,13 @@ private:
         std::int32_t missing, op, effect;
     };
 
-    Form take_apart(Schema& schema);
+    void take_apart(std::int32_t schema, const Variant& variant, bool may_repeat);
+    void plan_joins(std::int32_t form);
     void reach(FactId fact);
     void process(FactId fact);
-    void instantiate(std::int32_t schema);
-    void add_operator(std::int32_t schema, std::int32_t cost, const Conjunction& precondition);
+    void instantiate(std::int32_t form);
+    void add_operator(const Form& form, std::int32_t cost, const Conjunction& precondition);
+    bool is_repeated(const Form& form, const Conjunction& precondition);
     void add_conditional_effects(const Form& form);
     bool wait(std::span<const Literal> condition, std::int32_t op, std::int32_t effect);
     void fire(std::int32_t op);
@@ -78,6 +83,7 @@ private:
     std::size_t memory_limit_bytes_;
     Joiner joiner_;
     ConditionGrounder conditions_;
+    std::vector<std::vector<Variant>> variants_;  // by schema; the forms refer to their formulas
     std::vector<Form> forms_;
     std::vector<std::vector<Trigger>> triggers_;  // by predicate
     std::vector<Trigger> untriggered_;
@@ -89,6 +95,7 @@ private:
     std::vector<std::vector<std::int32_t>> waiting_;  // rules by fact; shorter than the facts where none waits
     std::vector<std::int32_t> binding_, arguments_;
     std::vector<FactId> matched_, adds_, deletes_;
+    std::set<std::vector<std::int32_t>> operators_seen_;  // of the forms that may repeat
 };
 
 }  // namespace explicable::grounding

@@ -9,6 +9,7 @@ namespace explicable::grounding {
 namespace {
 
 constexpr int max_depth = 500;
+constexpr std::int64_t max_memberships = std::int64_t{1} << 28;  // one byte each
 
 [[noreturn]] void refuse(const char* what) { throw std::invalid_argument(what); }
 
@@ -19,6 +20,8 @@ public:
     void read() {
         task_.num_objects = count();
         task_.domains.resize(length());
+        if (std::int64_t{task_.num_objects} * std::ssize(task_.domains) > max_memberships)
+            refuse("encoded task: too many objects and types");
         for (auto& domain : task_.domains) {
             domain.resize(length());
             std::vector<std::uint8_t> member(task_.num_objects);

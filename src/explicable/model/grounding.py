@@ -8,7 +8,7 @@ precondition becomes several operators with the same action.
 """
 
 from explicable import _core
-from explicable.errors import ResourceError
+from explicable.errors import ResourceError, UsageError
 from explicable.model.encoding import encode
 from explicable.model.memory import available_memory_bytes
 from explicable.model.problem import Problem
@@ -56,6 +56,8 @@ def ground(problem: Problem, *, memory_limit_bytes: int | None = None) -> Task:
         )
     except MemoryError as error:
         raise ResourceError(f"problem {problem.name}: {error}") from error
+    except ValueError as error:
+        raise UsageError(f"problem {problem.name}: {error}") from error
     return Task(problem, core, encoded.objects, tuple(core.goal), core.goal_reachable)
 
 
