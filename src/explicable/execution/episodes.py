@@ -126,16 +126,27 @@ def follow(truth: Outlook, state: State, request: Request | None, way: Way) -> G
     nothing can be asked it does its part of a shortest joint way to the goal.
     """
     if request is not None:
-        operators = truth.fulfilment_way(state, request)
+        operator = truth.next_operator(state, request)
     else:
         asks = truth.ranked_asks(state)
         if asks and way == "commanded":
             return None
-        operators = truth.way_after_asking(state, asks[0][1]) if asks else truth.mission_way(state)
-    if not operators or not truth.task.is_applicable(state, operators[0]):
-        return None
-    action = truth.task.action(operators[0])
-    return action if truth.problem.agent_of(action).kind == "robot" else None
+        operator = _lead(truth, state, asks[0][1]) if asks else _own_part(truth, state)
+    return None if operator is None else truth.task.action(operator)
+
+
+def _lead(truth: Outlook, state: State, ask: int) -> int | None:
+    """Return what a robot can do already towards what it expects to be asked for."""
+    asked = truth.task.successor(state, ask)
+    operator = truth.next_operator(asked, truth.requests[truth.task.action(ask)])
+    return operator if operator is not None and truth.task.is_applicable(state, operator) else None
+
+
+def _own_part(truth: Outlook, state: State) -> int | None:
+    """Return the next step of a shortest joint way, if it is a robot's."""
+    way = truth.mission_way(state)
+    robots = way and truth.problem.agent_of(truth.task.action(way[0])).kind == "robot"
+    return way[0] if way and robots else None
 
 
 def judge(

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from explicable.execution.stage import Stage
 from explicable.model.problem import GroundAtom
@@ -33,6 +34,15 @@ class Request:
     fulfilled_by: frozenset[GroundAtom]
 
 
+class _End(NamedTuple):
+    """An operator that fulfils a request."""
+
+    operator: int
+    needs: Goal
+    adds: frozenset[int]
+    cost: int
+
+
 class Outlook:
     """Costs-to-go on one stage, each computed by A* once and remembered with the whole way found.
 
@@ -49,8 +59,14 @@ class Outlook:
         self.problem = problem
         self.stage = stage
         self.task = stage.task
-        self._known: dict[tuple[State, Goal], tuple[float, int]] = {}
         self.requests = find_requests(problem, stage.task)
+        self._known: dict[tuple[State, Goal], tuple[float, int]] = {}
+        self._ends = {action: self._ends_of(request) for action, request in self.requests.items()}
+        self._asks = [
+            (operator, self.requests[action])
+            for operator in range(self.task.num_operators)
+            if (action := self.task.action(operator)) in self.requests
+        ]
 
     def operator(self, state: State, action: GroundAtom) -> int | None:
         """Return the operator by which an action can be executed here, if it can."""
@@ -61,28 +77,22 @@ class Outlook:
         """Tell whether a request has not been withdrawn."""
         return any(self.task.holds(atom, state) for atom in request.permits)
 
-    def useful_asks(self, state: State) -> list[int]:
-        """List the human operators that are applicable here and ask for something the goal still lacks."""
+    def ranked_asks(self, state: State) -> list[tuple[float, int]]:
+        """Rank the human operators that are applicable and ask for something the goal still lacks.
+
+        Returns
+        -------
+        list of (cost, operator)
+            What asking and fulfilling cost together, cheapest first.
+        """
         task = self.task
         lacking = {fact for fact in task.goal if not task.core.holds(state, [fact])}
-        asks = []
-        for operator in task.applicable(state):
-            request = self.requests.get(task.action(operator))
-            if request and any(
-                not lacking.isdisjoint(task.core.adds(wanted))
-                for action in request.fulfilled_by
-                for wanted in task.operators_of(action)
-            ):
-                asks.append(operator)
-        return asks
-
-    def ranked_asks(self, state: State) -> list[tuple[float, int]]:
-        """Rank the useful asks by what asking and fulfilling cost together."""
         ranked = []
-        for operator in self.useful_asks(state):
-            request = self.requests[self.task.action(operator)]
-            asked = self.task.successor(state, operator)
-            ranked.append((self.task.cost(operator) + self.fulfilment_cost(asked, request), operator))
+        for operator, request in self._asks:
+            useful = any(not lacking.isdisjoint(end.adds) for end in self._ends[request.action])
+            if useful and task.is_applicable(state, operator):
+                asked = task.successor(state, operator)
+                ranked.append((task.cost(operator) + self.fulfilment_cost(asked, request), operator))
         return sorted(ranked)
 
     def fulfilment_cost(self, state: State, request: Request) -> float:
@@ -91,15 +101,18 @@ class Outlook:
 
     def fulfilment_way(self, state: State, request: Request) -> tuple[int, ...] | None:
         """Return a best way for the robots alone to fulfil a request."""
-        cost, wanted = self._fulfilment(state, request)
+        cost, wanted, needs = self._fulfilment(state, request)
         if cost == math.inf:
             return None
-        return (*self._way(self.stage.robots_alone(state), self._needs(wanted)), wanted)
+        return (*self._way(self.stage.robots_alone(state), needs), wanted)
 
-    def way_after_asking(self, state: State, ask: int) -> tuple[int, ...] | None:
-        """Return a best way for the robots to fulfil what a human operator asks for, once it is asked."""
-        asked = self.task.successor(state, ask)
-        return self.fulfilment_way(asked, self.requests[self.task.action(ask)])
+    def next_operator(self, state: State, request: Request) -> int | None:
+        """Return the first operator of `fulfilment_way`, without walking the rest."""
+        cost, wanted, needs = self._fulfilment(state, request)
+        if cost == math.inf:
+            return None
+        first = self._known[self.stage.robots_alone(state), needs][1]
+        return wanted if first == _NONE else first
 
     def mission_cost(self, state: State) -> float:
         """Return what it costs the team to reach its goal."""
@@ -110,19 +123,20 @@ class Outlook:
         start = self.stage.with_humans(state)
         return None if self._cost(start, self.task.goal) == math.inf else self._way(start, self.task.goal)
 
-    def _fulfilment(self, state: State, request: Request) -> tuple[float, int]:
+    def _fulfilment(self, state: State, request: Request) -> tuple[float, int, Goal]:
+        """Return the cost of a best way, the operator at its end, and what that one needs."""
         alone = self.stage.robots_alone(state)
-        return min(
-            (
-                (self._cost(alone, self._needs(wanted)) + self.task.cost(wanted), wanted)
-                for action in request.fulfilled_by
-                for wanted in self.task.operators_of(action)
-            ),
-            default=(math.inf, _NONE),
-        )
+        ends = self._ends[request.action]
+        ways = ((self._cost(alone, end.needs) + end.cost, end.operator, end.needs) for end in ends)
+        return min(ways, default=(math.inf, _NONE, ()))
 
-    def _needs(self, operator: int) -> Goal:
-        return tuple(self.task.core.preconditions(operator))
+    def _ends_of(self, request: Request) -> tuple["_End", ...]:
+        task, core = self.task, self.task.core
+        return tuple(
+            _End(o, tuple(core.preconditions(o)), frozenset(core.adds(o)), task.cost(o))
+            for action in sorted(request.fulfilled_by)
+            for o in task.operators_of(action)
+        )
 
     def _cost(self, state: State, goal: Goal) -> float:
         if (state, goal) not in self._known:
