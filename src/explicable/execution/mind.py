@@ -71,7 +71,8 @@ def _cost_to_go(outlook: Outlook, participant: Participant, state: State, reques
         return outlook.fulfilment_cost(state, request)
     if not participant.initiative:
         return 0.0  # with nothing asked for, the best the robot can do is wait
-    return min((cost for cost, _ in outlook.ranked_asks(state)), default=outlook.mission_cost(state))
+    ranked = outlook.ranked_asks(state)
+    return ranked[0][0] if ranked else outlook.mission_cost(state)
 
 
 def label_step(participant: Participant, step_regret: float, rng: "np.random.Generator") -> bool:

@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
+from explicable.errors import ResourceError
 from explicable.execution.stage import Stage
 from explicable.model.problem import GroundAtom
 from explicable.model.task import State, Task
 from explicable.model.team import TeamProblem
-from explicable.search import search
+from explicable.search import Outcome, search
 
 Goal = tuple[int, ...]
 
@@ -151,7 +152,13 @@ class Outlook:
         return tuple(way)
 
     def _explore(self, state: State, goal: Goal) -> None:
-        result = search(self.task, "astar", initial_state=state, goal=goal)
+        # A request mostly needs one thing, for which h_max is as good as LM-cut and much cheaper.
+        heuristic: Literal["lmcut", "hmax"] = "lmcut" if goal == self.task.goal else "hmax"
+        result = search(self.task, "astar", initial_state=state, goal=goal, heuristic=heuristic)
+        if result.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        if result.outcome is Outcome.LIMIT:
+            raise ResourceError(f"not enough memory for the exact cost-to-go in {self.task.problem.name}")
         if result.operators is None or result.cost is None:
             self._known[state, goal] = (math.inf, _NONE)
             return
