@@ -10,6 +10,7 @@ from explicable.execution.participants import Participant, builtin_families
 from explicable.execution.setting import prepare
 from explicable.first_response import builtin_maps, encode, generate
 from explicable.model.grounding import ground_team
+from explicable.model.team import TeamProblem
 
 FAMILIES = builtin_families()
 
@@ -40,6 +41,22 @@ def test_games_without_a_grid_reach_the_goal():
             participant = Participant("simulated-1", horizon=horizon, learning=0.5, memory=0.8, readiness=0.5)
             episode = simulate(setting, participant, np.random.default_rng(seed))
             assert episode.ending is Ending.REACHED
+
+
+@pytest.mark.parametrize("horizon", ["request", "mission"])
+def test_where_nothing_can_be_asked_the_robot_goes_on_and_is_judged_by_the_mission(horizon):
+    problem = hospital()
+    asked = (("asked", "plaster"), ("asked", "syringe"))
+    without_requests = [
+        dataclasses.replace(p, init=tuple(a for a in p.init if a[0] != "needed") + asked)
+        for p in (problem.robot, problem.human)
+    ]
+    setting = prepare(TeamProblem(*without_requests))
+    episode = simulate(setting, Participant("simulated-1", horizon=horizon), np.random.default_rng(0))
+    assert episode.ending is Ending.REACHED
+    detour, surprise, *rest = [step.label for step in episode.trace.steps]
+    assert (detour, surprise) == (False, False)
+    assert all(rest)
 
 
 def test_the_same_seed_gives_the_same_traces():

@@ -4,6 +4,7 @@ A `Mind` is a value; every function here returns a new one. Chance comes from th
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -53,26 +54,28 @@ def regret(outlook: Outlook, participant: Participant, mind: Mind, action: Groun
     operator = outlook.operator(mind.state, action)
     if operator is None:
         return math.inf
-    request = mind.request
-    before = _cost_to_go(outlook, participant, mind.state, request)
+    cost_to_go = _measure(outlook, participant, mind)
+    before = cost_to_go(mind.state)
     if before == math.inf:
         return 0.0
-    cost = outlook.task.cost(operator)
+    cost, request = outlook.task.cost(operator), mind.request
     if participant.horizon == "request" and request is not None and action in request.fulfilled_by:
         return cost - before
-    after = outlook.task.successor(mind.state, operator)
-    return cost + _cost_to_go(outlook, participant, after, request) - before
+    return cost + cost_to_go(outlook.task.successor(mind.state, operator)) - before
 
 
-def _cost_to_go(outlook: Outlook, participant: Participant, state: State, request: Request | None) -> float:
+def _measure(outlook: Outlook, participant: Participant, mind: Mind) -> Callable[[State], float]:
+    """Return the cost-to-go by which the participant now judges."""
+    request = mind.request
     if participant.horizon == "mission":
-        return outlook.mission_cost(state)
+        return outlook.mission_cost
     if request is not None:
-        return outlook.fulfilment_cost(state, request)
-    if not participant.initiative:
-        return 0.0  # with nothing asked for, the best the robot can do is wait
-    ranked = outlook.ranked_asks(state)
-    return ranked[0][0] if ranked else outlook.mission_cost(state)
+        return lambda state: outlook.fulfilment_cost(state, request)
+    if not outlook.ranked_asks(mind.state):
+        return outlook.mission_cost  # there is nothing to ask for: the robot goes on by itself
+    if participant.initiative:
+        return lambda state: min((cost for cost, _ in outlook.ranked_asks(state)), default=0)
+    return lambda _: 0  # something could be asked for and is not: the best the robot can do is wait
 
 
 def label_step(participant: Participant, step_regret: float, rng: "np.random.Generator") -> bool:
@@ -169,9 +172,10 @@ def infer(
 
 
 def _best_way(outlook: Outlook, participant: Participant, mind: Mind) -> tuple[int, ...] | None:
-    if participant.horizon == "mission":
-        return outlook.mission_way(mind.state)
-    return outlook.fulfilment_way(mind.state, mind.request) if mind.request else None
+    if participant.horizon == "request" and mind.request is not None:
+        return outlook.fulfilment_way(mind.state, mind.request)
+    waits = participant.horizon == "request" and outlook.ranked_asks(mind.state)
+    return None if waits else outlook.mission_way(mind.state)
 
 
 def forget(setting: Setting, participant: Participant, mind: Mind, rng: "np.random.Generator") -> Mind:
