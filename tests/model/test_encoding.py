@@ -5,12 +5,12 @@ from array import array
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.random_problems import ProblemMaker
 
 from explicable import _core
 from explicable.errors import UsageError
 from explicable.model.encoding import encode
 from explicable.model.problem import And, Domain, Not, Problem
+from oracles.random_problems import ProblemMaker
 
 MEMORY_LIMIT_BYTES = 16 << 20
 
@@ -40,7 +40,9 @@ def test_damaged_encodings_are_refused_or_grounded(rng):
         place = rng.randrange(len(structure))
         match rng.choice(["change", "change", "remove", "insert", "arguments"]):
             case "change":
-                structure[place] = rng.choice([structure[place] + rng.choice([-1, 1]), rng.randint(-9, 9), 2**31 - 1])
+                structure[place] = rng.choice(
+                    [structure[place] + rng.choice([-1, 1]), rng.randint(-9, 9), 2**31 - 1]
+                )
             case "remove":
                 del structure[place]
             case "insert":

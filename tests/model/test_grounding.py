@@ -1,5 +1,7 @@
 """The grounder against a slow one, on random problems and along random walks."""
 
+import signal
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -167,3 +169,27 @@ def test_undeclared_names_are_the_callers_mistake():
 def test_team_without_human_problem_shares_its_task():
     team = ground_team(TeamProblem(problem_of(And(), 1)))
     assert team.mental is team.task
+
+
+class AlarmError(Exception):
+    """Raised by the signal handler below."""
+
+
+def test_grounding_can_be_interrupted():
+    """Signals are looked at now and then: this task would take minutes."""
+
+    def ring(*_):
+        raise AlarmError
+
+    parameters = tuple(Parameter(f"?x{i}") for i in range(8))
+    act = ActionSchema("act", parameters, TRUE, (Effect(Atom("f", ("?x0",))),))
+    domain = Domain("d", frozenset(), {}, {}, (Predicate("f", parameters[:1]),), (), (act,))
+    objects = {f"o{i}": ("object",) for i in range(40)}
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, 0.1)
+    try:
+        with pytest.raises(AlarmError):
+            ground(Problem("p", domain, objects, (), TRUE, {}))
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
