@@ -1,1 +1,95 @@
-"""The command line."""
+"""The command line: the only place that prints and chooses exit codes.
+
+===== =========================================================================
+exit  meaning
+===== =========================================================================
+0     solved, or done
+2     wrong usage: unknown option, missing argument, impossible value
+3     bad input: a file that is damaged, ill-typed or does not fit
+4     the problem is proved unsolvable
+5     a limit was reached (time, memory, evaluations) before a plan was found
+130   interrupted with Ctrl-C before there was anything to give
+===== =========================================================================
+"""
+
+import sys
+from importlib import import_module
+
+import click
+
+from explicable.errors import ExplicableError, ResourceError, UsageError
+
+EXIT_USAGE = 2
+EXIT_BAD_INPUT = 3
+EXIT_UNSOLVABLE = 4
+EXIT_LIMIT = 5
+EXIT_INTERRUPTED = 130
+
+# Command -> module that defines it, imported when its command is called: so start-up stays short.
+COMMANDS = {
+    "demo": "explicable.cli.demo",
+    "plan": "explicable.cli.plan",
+    "train": "explicable.cli.labels",
+    "label": "explicable.cli.labels",
+    "traces": "explicable.cli.labels",
+    "first-response": "explicable.cli.first_response",
+}
+
+
+class LazyGroup(click.Group):
+    """A group of commands that imports the command's module when it is needed."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 (the signature is click's)
+        """Commands in the order of the table above."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        """Import the module that defines the command, and take it from there."""
+        if cmd_name not in COMMANDS:
+            return None
+        module = import_module(COMMANDS[cmd_name])
+        command = getattr(module, cmd_name.replace("-", "_"))
+        if not isinstance(command, click.Command):
+            raise TypeError(f"{COMMANDS[cmd_name]} has no command {cmd_name!r}")
+        return command
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="explicable")
+def explicable() -> None:
+    """Robot plans that human teammates expect."""
+
+
+def main() -> None:
+    """Run the command line and leave with one of the documented exit codes."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> int:
+    """Run one command; errors become one message on standard error and an exit code."""
+    try:
+        outcome = explicable.main(arguments, prog_name="explicable", standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("interrupted", err=True)
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader of our output has gone: nobody is left to complain to
+        return 0
+    except UsageError as error:
+        return _fail(error, EXIT_USAGE)
+    except ResourceError as error:
+        return _fail(error, EXIT_LIMIT)
+    except ExplicableError as error:
+        return _fail(error, EXIT_BAD_INPUT)
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        return _fail(f"{place}{error.strerror or error}", EXIT_BAD_INPUT)
+    return outcome if isinstance(outcome, int) else 0
+
+
+def _fail(error: object, code: int) -> int:
+    click.echo(f"explicable: {error}", err=True)
+    return code

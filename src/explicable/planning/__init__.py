@@ -4,8 +4,9 @@ from explicable.planning.planner import (
     TeamPlan,
     check_alpha,
     joint_plan,
+    objective,
     plan_classically,
     plan_explicably,
 )
 
-__all__ = ["TeamPlan", "check_alpha", "joint_plan", "plan_classically", "plan_explicably"]
+__all__ = ["TeamPlan", "check_alpha", "joint_plan", "objective", "plan_classically", "plan_explicably"]

@@ -10,14 +10,16 @@ where ``c`` is the number of inexplicable steps in ``path # rp``.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypedDict
 
 from explicable.errors import UsageError
 from explicable.labelling import LabelledPlan, Labeller
 from explicable.model.plan import JointPlan, Step
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
-from explicable.search import Outcome, SearchResult, search
+from explicable.search import Algorithm, Closing, Outcome, PathScorer, SearchResult, search
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,11 +29,16 @@ class TeamPlan:
     Parameters
     ----------
     outcome
-        Solved, proved unsolvable, or a limit was reached.
+        Solved if there is a plan; else proved unsolvable, limit reached or interrupted.
     plan
         The joint plan, if there is one.
     labelled
         The plan's steps with their predicted labels and all scores, if a labeller was given.
+    objective
+        ``J`` of the plan: its cost and, with regard to the person, ``alpha`` for each step expected to be
+        inexplicable.
+    lower_bound
+        No plan has a lower objective; 0 if nothing is known.
     evaluations
         Number of states for which the heuristic was computed.
     search_s
@@ -41,6 +48,8 @@ class TeamPlan:
     outcome: Outcome
     plan: JointPlan | None
     labelled: LabelledPlan | None
+    objective: float | None
+    lower_bound: float
     evaluations: int
     search_s: float
 
@@ -49,7 +58,7 @@ def plan_classically(
     team_task: TeamTask,
     *,
     labeller: Labeller | None = None,
-    algorithm: str = "default",
+    algorithm: Algorithm = "default",
     time_limit_s: float | None = None,
     seed: int = 0,
 ) -> TeamPlan:
@@ -61,40 +70,63 @@ def plan_classically(
         A search of `explicable.search.search`: ``"ff"`` is FF as published.
     """
     result = search(team_task.task, algorithm, time_limit_s=time_limit_s, seed=seed)
-    return _team_plan(team_task, result, labeller)
+    return _team_plan(team_task, [result], labeller)
 
 
 def plan_explicably(
     team_task: TeamTask,
     labeller: Labeller,
     *,
-    algorithm: str = "lazy",
+    alpha: float = 1.0,
+    algorithm: Algorithm = "lazy",
     expected: bool = True,
-    closing: str = "context",
+    closing: Closing = "context",
     time_limit_s: float | None = None,
+    improve_s: float = 1.0,
     seed: int = 0,
 ) -> TeamPlan:
-    """Plan with Eq. 4, so that the steps are ones the person will find sensible.
+    """Plan steps that the person will find sensible: by Eq. 4, then improving ``J`` (Eq. 3).
+
+    At goal states the heuristic of Eq. 4 is zero, whatever was inexplicable on the way: it steers the search
+    but does not choose the plan. Hence the second part, which goes on for a better ``J``.
 
     Parameters
     ----------
+    alpha
+        Price of one inexplicable step, in the unit of cost.
     algorithm
-        ``"lazy"`` or ``"eager"`` best-first search by ``f = g + h``; ``"ff"``: enforced hill-climbing first,
-        as in the paper.
+        Of the search for the first plan: ``"lazy"`` or ``"eager"`` best-first search by ``f = g + h``;
+        ``"ff"``: enforced hill-climbing first, as in the paper.
     expected
-        Count inexplicable steps by their expectation; False: by the most probable labels (Viterbi), as in the paper.
+        Count inexplicable steps by their expectation; False: by the most probable labels, as in the paper.
     closing
-        ``"context"``: a state is closed together with the labeller's context; ``"state"``: alone, as in the paper.
+        ``"context"``: a state is closed together with the labeller's context; ``"state"``: alone, as in the
+        paper.
+    time_limit_s
+        Seconds for the whole search.
+    improve_s
+        Seconds for the improvement of the first plan at most; 0 for the paper's planner, which has none.
+
+    Raises
+    ------
+    UsageError
+        If alpha is negative, infinite or not a number.
     """
-    result = search(
-        team_task.task,
-        algorithm,
-        scorer=labeller.scorer(team_task, expected=expected),
-        closing=closing,
-        time_limit_s=time_limit_s,
-        seed=seed,
-    )
-    return _team_plan(team_task, result, labeller)
+    scorer = labeller.scorer(team_task, expected=expected)
+    options = _Options(scorer=scorer, closing=closing, seed=seed, alpha=check_alpha(alpha))
+    results = [search(team_task.task, algorithm, time_limit_s=time_limit_s, **options)]
+    if results[0].outcome is Outcome.SOLVED:
+        left_s = math.inf if time_limit_s is None else max(time_limit_s - results[0].search_s, 0.0)
+        if min(improve_s, left_s) > 0:
+            results.append(search(team_task.task, "anytime", time_limit_s=min(improve_s, left_s), **options))
+    return _team_plan(team_task, results, labeller, alpha)
+
+
+class _Options(TypedDict):
+    scorer: PathScorer
+    closing: Closing
+    seed: int
+    alpha: float
 
 
 def joint_plan(team_task: TeamTask, actions: tuple[GroundAtom, ...], cost: int) -> JointPlan:
@@ -116,10 +148,33 @@ def check_alpha(alpha: float) -> float:
     return alpha
 
 
-def _team_plan(team_task: TeamTask, result: SearchResult, labeller: Labeller | None) -> TeamPlan:
-    plan = labelled = None
-    if result.operators is not None:
-        actions = tuple(team_task.task.action(operator) for operator in result.operators)
-        plan = joint_plan(team_task, actions, sum(map(team_task.task.cost, result.operators)))
-        labelled = labeller.label(team_task, actions) if labeller else None
-    return TeamPlan(result.outcome, plan, labelled, result.evaluations, result.search_s)
+def _team_plan(
+    team_task: TeamTask, results: Sequence[SearchResult], labeller: Labeller | None, alpha: float = 0.0
+) -> TeamPlan:
+    """Choose the best of several searches' plans by ``J``."""
+    chosen: tuple[float, JointPlan, LabelledPlan | None] | None = None
+    for result in results:
+        if result.operators is not None:
+            actions = tuple(team_task.task.action(operator) for operator in result.operators)
+            plan = joint_plan(team_task, actions, sum(map(team_task.task.cost, result.operators)))
+            labelled = labeller.label(team_task, actions) if labeller else None
+            value = objective(plan, labelled, alpha)
+            if chosen is None or value < chosen[0]:
+                chosen = (value, plan, labelled)
+    best, found, labels = chosen or (None, None, None)
+    return TeamPlan(
+        outcome=Outcome.SOLVED if found else results[0].outcome,
+        plan=found,
+        labelled=labels,
+        objective=best,
+        lower_bound=results[-1].lower_bound,
+        evaluations=sum(result.evaluations for result in results),
+        search_s=sum(result.search_s for result in results),
+    )
+
+
+def objective(plan: JointPlan, labelled: LabelledPlan | None, alpha: float) -> float:
+    """Return ``J = cost + alpha * E[number of inexplicable steps]`` (Eq. 3, its sign put right)."""
+    if labelled is None or labelled.scores.f_expected is None:
+        return plan.cost
+    return plan.cost + alpha * len(plan) * (1.0 - labelled.scores.f_expected)

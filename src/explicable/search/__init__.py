@@ -1,6 +1,7 @@
 """Heuristic search over grounded tasks."""
 
-from explicable.search.forward import search
+from explicable._core import PathScorer
+from explicable.search.forward import Algorithm, Closing, search
 from explicable.search.result import Outcome, SearchResult
 
-__all__ = ["Outcome", "SearchResult", "search"]
+__all__ = ["Algorithm", "Closing", "Outcome", "PathScorer", "SearchResult", "search"]

@@ -1,0 +1,62 @@
+"""What the commands share: reading a team problem from files named on the command line."""
+
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from explicable.model.team import TeamProblem
+
+INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+OUTPUT_FILE = click.Path(dir_okay=False, path_type=Path)
+
+
+def team_problem_arguments(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the arguments DOMAIN and PROBLEM and the options for the human's model."""
+
+    @click.argument("domain", type=INPUT_FILE)
+    @click.argument("problem", type=INPUT_FILE)
+    @click.option(
+        "--human-domain",
+        type=INPUT_FILE,
+        help="The person's model as the robot knows it: the person's own actions, and what the person"
+        " believes that the robot can do. Default: DOMAIN.",
+    )
+    @click.option(
+        "--human-problem",
+        type=INPUT_FILE,
+        help="The problem as the person sees it. Default: PROBLEM.",
+    )
+    @functools.wraps(command)
+    def with_problem(
+        domain: Path, problem: Path, human_domain: Path | None, human_problem: Path | None, **options: Any
+    ) -> Any:
+        paths = TeamProblemPaths(domain, problem, human_domain, human_problem)
+        return command(paths, **options)
+
+    return with_problem
+
+
+class TeamProblemPaths:
+    """The files of a team problem, not yet read."""
+
+    def __init__(
+        self, domain: Path, problem: Path, human_domain: Path | None, human_problem: Path | None
+    ) -> None:
+        self.robot = (domain, problem)
+        self.human = (
+            (human_domain or domain, human_problem or problem) if human_domain or human_problem else None
+        )
+
+    def read(self) -> TeamProblem:
+        """Read both problems, or the robot's alone."""
+        from explicable.pddl import read_pair
+
+        human = read_pair(*self.human, warn=_warn) if self.human else None
+        return TeamProblem(read_pair(*self.robot, warn=_warn), human)
+
+
+def _warn(warning: object) -> None:
+    click.echo(f"explicable: warning: {warning}", err=True)

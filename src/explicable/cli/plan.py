@@ -1,0 +1,135 @@
+"""`explicable plan`: a plan for any PDDL task, joint if the domain says which agent owns which action."""
+
+import json
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from explicable.cli import EXIT_INTERRUPTED, EXIT_LIMIT, EXIT_UNSOLVABLE
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
+
+if TYPE_CHECKING:
+    from explicable.planning import TeamPlan
+    from explicable.search import Algorithm
+
+SCORES = ("f_paper", "f_robot", "f_expected")
+
+
+@click.command()
+@team_problem_arguments
+@click.option(
+    "--labeller", "labeller_file", type=INPUT_FILE, help="What people find explicable (see `train`)."
+)
+@click.option(
+    "--planner",
+    type=click.Choice(["ff", "explicable"]),
+    help="ff: without regard to the person. explicable: cheap and expected; needs a labeller."
+    " Default: explicable where there is a labeller, else ff.",
+)
+@click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
+@click.option(
+    "--search",
+    "algorithm",
+    type=click.Choice(["default", "ff", "lazy", "eager", "bfws", "astar", "wastar", "anytime"]),
+    help="Search algorithm (docs/planning.md). Default: the best known for the planner.",
+)
+@click.option("--time-limit", type=click.FloatRange(min=0), help="Seconds that the search may take.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Breaks ties.")
+@click.option("-o", "--output", type=OUTPUT_FILE, help="Write the plan to this file.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of the plan.")
+def plan(
+    paths: TeamProblemPaths,
+    labeller_file: Path | None,
+    planner: str | None,
+    alpha: float,
+    algorithm: "Algorithm | None",
+    time_limit: float | None,
+    seed: int,
+    output: Path | None,
+    as_json: bool,
+) -> int:
+    """Plan for the PDDL task DOMAIN PROBLEM.
+
+    An action belongs to the robot or human that is its first argument. Exit code: 0 solved, 4 proved
+    unsolvable, 5 limit reached, 3 bad input, 2 wrong usage.
+    """
+    from explicable.model.files import write_whole
+    from explicable.model.grounding import ground_team
+    from explicable.model.plan import format_plan
+    from explicable.planning import check_alpha, plan_classically, plan_explicably
+
+    check_alpha(alpha)
+    if planner == "explicable" and labeller_file is None:
+        raise click.UsageError(
+            "explicable planning needs a labeller: --labeller FILE (see `explicable train`)"
+        )
+    labeller = None
+    if labeller_file is not None:
+        from explicable.labelling import Labeller
+
+        labeller = Labeller.load(labeller_file)
+
+    started = time.perf_counter()
+    problem = paths.read()
+    read = time.perf_counter()
+    team_task = ground_team(problem)
+    grounded = time.perf_counter()
+    if labeller is None or planner == "ff":
+        result = plan_classically(
+            team_task, labeller=labeller, algorithm=algorithm or "default", time_limit_s=time_limit, seed=seed
+        )
+    else:
+        result = plan_explicably(
+            team_task,
+            labeller,
+            alpha=alpha,
+            algorithm=algorithm or "lazy",
+            time_limit_s=time_limit,
+            seed=seed,
+        )
+    text = format_plan(result.plan.actions, result.plan.cost) if result.plan else None
+    if output and text:
+        write_whole(output, text)
+    if as_json:
+        times = {"read_s": read - started, "ground_s": grounded - read, "search_s": result.search_s}
+        click.echo(json.dumps(describe(result, times)))
+    elif text:
+        if not output:
+            click.echo(text, nl=False)
+    else:
+        click.echo(f"no plan: {result.outcome.value}", err=True)
+    return exit_code(result)
+
+
+def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:
+    """The object that `--json` prints."""
+    from explicable.model.plan import format_action
+
+    scores = dict.fromkeys(SCORES) if result.labelled is None else result.labelled.scores.as_dict()
+    return {
+        "outcome": result.outcome.value,
+        "plan": None if result.plan is None else [format_action(step.action) for step in result.plan.steps],
+        "agents": None if result.plan is None else [step.agent for step in result.plan.steps],
+        "cost": None if result.plan is None else result.plan.cost,
+        "objective": result.objective,
+        "lower_bound": result.lower_bound if result.lower_bound < float("inf") else None,
+        "scores": scores,
+        "evaluations": result.evaluations,
+        "time": times,
+    }
+
+
+def exit_code(result: "TeamPlan") -> int:
+    """Exit code of a plan's outcome; a plan in hand is success, however the search ended."""
+    from explicable.search import Outcome
+
+    if result.plan is not None:
+        return 0
+    codes = {
+        Outcome.UNSOLVABLE: EXIT_UNSOLVABLE,
+        Outcome.LIMIT: EXIT_LIMIT,
+        Outcome.INTERRUPTED: EXIT_INTERRUPTED,
+    }
+    return codes[result.outcome]
