@@ -1,1 +1,70 @@
-"""Robot plans that human teammates expect."""
+"""Robot plans that human teammates expect.
+
+The public names, each imported when it is first asked for, so that a small program starts fast.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from explicable.labelling import Labeller, read_traces
+    from explicable.model.grounding import ground, ground_team
+    from explicable.model.plan import JointPlan, Step, format_plan, read_plan
+    from explicable.model.team import Agent, TeamProblem, TeamTask
+    from explicable.pddl import read_pair, read_team_problem
+    from explicable.planning import TeamPlan, plan_classically, plan_explicably
+    from explicable.search import Outcome, SearchResult, search
+
+_HOMES = {
+    "Agent": "model.team",
+    "JointPlan": "model.plan",
+    "Labeller": "labelling",
+    "Outcome": "search",
+    "SearchResult": "search",
+    "Step": "model.plan",
+    "TeamPlan": "planning",
+    "TeamProblem": "model.team",
+    "TeamTask": "model.team",
+    "format_plan": "model.plan",
+    "ground": "model.grounding",
+    "ground_team": "model.grounding",
+    "plan_classically": "planning",
+    "plan_explicably": "planning",
+    "read_pair": "pddl",
+    "read_plan": "model.plan",
+    "read_team_problem": "pddl",
+    "read_traces": "labelling",
+    "search": "search",
+}
+
+__all__ = [
+    "Agent",
+    "JointPlan",
+    "Labeller",
+    "Outcome",
+    "SearchResult",
+    "Step",
+    "TeamPlan",
+    "TeamProblem",
+    "TeamTask",
+    "format_plan",
+    "ground",
+    "ground_team",
+    "plan_classically",
+    "plan_explicably",
+    "read_pair",
+    "read_plan",
+    "read_team_problem",
+    "read_traces",
+    "search",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'explicable' has no attribute {name!r}")
+    return getattr(import_module(f"explicable.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

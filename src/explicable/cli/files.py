@@ -45,17 +45,13 @@ class TeamProblemPaths:
     def __init__(
         self, domain: Path, problem: Path, human_domain: Path | None, human_problem: Path | None
     ) -> None:
-        self.robot = (domain, problem)
-        self.human = (
-            (human_domain or domain, human_problem or problem) if human_domain or human_problem else None
-        )
+        self.paths = domain, problem, human_domain, human_problem
 
     def read(self) -> TeamProblem:
-        """Read both problems, or the robot's alone."""
-        from explicable.pddl import read_pair
+        """Read the robot's problem, and the human's if it was named; warnings go to standard error."""
+        from explicable.pddl import read_team_problem
 
-        human = read_pair(*self.human, warn=_warn) if self.human else None
-        return TeamProblem(read_pair(*self.robot, warn=_warn), human)
+        return read_team_problem(*self.paths, warn=_warn)
 
 
 def _warn(warning: object) -> None:

@@ -2,6 +2,7 @@
 
 from explicable.pddl.parser import parse_domain, parse_problem, read_domain, read_pair, read_problem
 from explicable.pddl.source import PDDLWarning
+from explicable.pddl.team import read_team_problem
 from explicable.pddl.writer import format_domain, format_problem
 
 __all__ = [
@@ -13,4 +14,5 @@ __all__ = [
     "read_domain",
     "read_pair",
     "read_problem",
+    "read_team_problem",
 ]

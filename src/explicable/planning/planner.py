@@ -12,14 +12,16 @@ where ``c`` is the number of inexplicable steps in ``path # rp``.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 from explicable.errors import UsageError
-from explicable.labelling import LabelledPlan, Labeller
 from explicable.model.plan import JointPlan, Step
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
 from explicable.search import Algorithm, Closing, Outcome, PathScorer, SearchResult, search
+
+if TYPE_CHECKING:  # planning without a labeller starts without NumPy
+    from explicable.labelling import LabelledPlan, Labeller
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,7 @@ class TeamPlan:
 
     outcome: Outcome
     plan: JointPlan | None
-    labelled: LabelledPlan | None
+    labelled: "LabelledPlan | None"
     objective: float | None
     lower_bound: float
     evaluations: int
@@ -57,7 +59,7 @@ class TeamPlan:
 def plan_classically(
     team_task: TeamTask,
     *,
-    labeller: Labeller | None = None,
+    labeller: "Labeller | None" = None,
     algorithm: Algorithm = "default",
     time_limit_s: float | None = None,
     seed: int = 0,
@@ -75,7 +77,7 @@ def plan_classically(
 
 def plan_explicably(
     team_task: TeamTask,
-    labeller: Labeller,
+    labeller: "Labeller",
     *,
     alpha: float = 1.0,
     algorithm: Algorithm = "lazy",
@@ -149,7 +151,7 @@ def check_alpha(alpha: float) -> float:
 
 
 def _team_plan(
-    team_task: TeamTask, results: Sequence[SearchResult], labeller: Labeller | None, alpha: float = 0.0
+    team_task: TeamTask, results: Sequence[SearchResult], labeller: "Labeller | None", alpha: float = 0.0
 ) -> TeamPlan:
     """Choose the best of several searches' plans by ``J``."""
     chosen: tuple[float, JointPlan, LabelledPlan | None] | None = None
@@ -173,7 +175,7 @@ def _team_plan(
     )
 
 
-def objective(plan: JointPlan, labelled: LabelledPlan | None, alpha: float) -> float:
+def objective(plan: JointPlan, labelled: "LabelledPlan | None", alpha: float) -> float:
     """Return ``J = cost + alpha * E[number of inexplicable steps]`` (Eq. 3, its sign put right)."""
     if labelled is None or labelled.scores.f_expected is None:
         return plan.cost
