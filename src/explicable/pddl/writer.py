@@ -106,6 +106,8 @@ def _formula(formula: Formula) -> tuple[_Expression, ...]:
             return ("not", _formula(body))
         case And(parts):
             return ("and", *map(_formula, parts))
+        case Or((Not(left), right)):  # as `imply` is read
+            return ("imply", _formula(left), _formula(right))
         case Or(parts):
             return ("or", *map(_formula, parts))
         case Exists(parameters, body):
