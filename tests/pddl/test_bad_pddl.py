@@ -3,7 +3,7 @@
 import pytest
 
 from explicable.errors import PDDLError, UnsupportedFeatureError
-from explicable.pddl import parse_domain, parse_problem, read_domain
+from explicable.pddl import format_domain, parse_domain, parse_problem, read_domain
 
 DOMAIN = """\
 (define (domain delivery)
@@ -302,15 +302,15 @@ def test_unsupported_problems(old, new, message):
         ("\ufeff(define (domain Straße) (İ))", "1:26: expected a section of a domain, not 'İ'"),
         ("(define (domain d) (\x1b[31m\0))", "1:21: expected a section of a domain, not '\\x1b[31m\\x00'"),
         ("(" * 10_000_000, "1:2: expected 'define', not '('"),
-        ("(define " + "(" * 10_000_000, "1:208: lists are nested deeper than 200"),
+        ("(define " + "(" * 10_000_000, "1:108: lists are nested deeper than 100"),
         ("(define (domain d) " + "()" * 5_000_000, "1:21: expected a section of a domain, not ')'"),
         (
-            "(define (domain d) (:action a :precondition " + "(not " * 200 + ")" * 202,
-            "1:1035: lists are nested deeper than 200",
+            "(define (domain d) (:action a :precondition " + "(not " * 100 + ")" * 102,
+            "1:535: lists are nested deeper than 100",
         ),
         (
             f"(define (domain d) (:types {' '.join(f't{i} - t{i + 1}' for i in range(5000))} t5000))",
-            "1:28: types are nested deeper than 200",
+            "1:28: types are nested deeper than 100",
         ),
     ],
     ids=lambda value: value[:30],
@@ -326,10 +326,16 @@ def test_a_missing_goal_is_named():
         parse_problem("(define (problem p) (:domain delivery) (:init))", parse_domain(DOMAIN))
 
 
-def test_the_deepest_nesting_allowed_is_read():
-    text = "(define (domain d) (:predicates (p)) (:action a :precondition {}(p){}))"
-    domain = parse_domain(text.format("(not " * 197, ")" * 197))
-    assert domain.actions[0].name == "a"
+@pytest.mark.parametrize("around", ["(not {})", "(imply (p) {})", "(imply {} (p))", "(exists (?x) {})"])
+def test_the_deepest_nesting_allowed_survives(around):
+    condition = "(p)"
+    for _ in range(97):
+        condition = around.format(condition)
+    text = "(define (domain d) (:predicates (p)) (:action a :precondition {}))"
+    domain = parse_domain(text.format(condition))
+    assert parse_domain(format_domain(domain)) == domain
+    with pytest.raises(PDDLError, match="nested deeper than"):
+        parse_domain(text.format(around.format(around.format(condition))))
 
 
 def test_a_message_does_not_repeat_a_whole_file():

@@ -8,7 +8,7 @@ from pathlib import Path
 from explicable.errors import PDDLError
 
 _LONGEST_MESSAGE = 400
-MAX_NESTING = 200  # far beyond any task; keeps every recursion over formulas away from Python's limit
+MAX_NESTING = 100  # far beyond any task; keeps every recursion over formulas away from Python's limit
 
 _UNDECODED = re.compile("[\ud800-\udfff]")  # what `surrogateescape` makes of bytes that are not UTF-8
 _COMMENT = re.compile(r";[^\r\n]*+")
