@@ -81,10 +81,10 @@ void improve_cost(const Question& question, const SearchOptions& options, Monito
 // alone can't beat the best plan: what lies ahead might make earlier steps look better, so the count is no bound.
 class ObjectiveSearch {
 public:
-    ObjectiveSearch(const Question& question, const SearchOptions& options, Incumbent& best)
+    ObjectiveSearch(const Question& question, const SearchOptions& options, Closing closing, Incumbent& best)
         : question_(question),
           best_(best),
-          nodes_(question.task, options.labelled.scorer, Closing::context),
+          nodes_(question.task, options.labelled.scorer, closing),
           heuristic_(make_admissible(question, "lmcut")) {}
 
     // True if the best plan is optimal now.
@@ -166,8 +166,13 @@ bool Incumbent::offer(std::vector<OperatorId> candidate, const Question& questio
 void improve(const Question& question, const SearchOptions& options, Monitor& monitor, Incumbent& best,
              SearchAnswer& answer) {
     if (!options.labelled.scorer) return improve_cost(question, options, monitor, best, answer);
-    ObjectiveSearch search(question, options, best);
-    answer.is_optimal = search.run(monitor);
+    // Steps that cost nothing could dilute a ratio without end, so there lengths are ignored and nothing is proved.
+    const auto& cost = question.task.cost;
+    const bool can_dilute = best.ratio && std::find(cost.begin(), cost.end(), 0) != cost.end();
+    const Closing closing = best.ratio && !can_dilute ? Closing::context_and_length : Closing::context;
+    ObjectiveSearch search(question, options, closing, best);
+    answer.is_optimal = search.run(monitor) && !can_dilute;
+    if (can_dilute) return;
     answer.lower_bound = std::max(answer.lower_bound, search.lower_bound());
 }
 

@@ -24,7 +24,7 @@ NodeStore::NodeStore(const Task& task, const PathScorer* scorer, Closing closing
       scorer_(scorer),
       closing_(scorer ? closing : Closing::state),
       packer_(task),
-      registry_(packer_.num_words() + (closing_ == Closing::context)),
+      registry_(packer_.num_words() + by_context()),
       contexts_(context_width(scorer)),
       words_(packer_.num_words() + 1),
       context_(context_width(scorer)) {}
@@ -51,9 +51,9 @@ NodeStore::Arrival NodeStore::add(NodeId parent, OperatorId step) {
 // Files what words_, and in labelled search context_ and after_, describe.
 NodeStore::Arrival NodeStore::insert(std::int64_t cost, NodeId parent, OperatorId step) {
     if (nodes_.size() >= static_cast<std::size_t>(std::numeric_limits<NodeId>::max())) throw std::bad_alloc();
-    if (closing_ == Closing::context) words_[packer_.num_words()] = scorer_->closing_key(context_.data());
+    if (by_context()) words_[packer_.num_words()] = scorer_->closing_key(context_.data());
     const auto [number, is_new] = registry_.insert(words_.data());
-    if (closing_ == Closing::context) return insert_rival(number, is_new, cost, parent, step);
+    if (by_context()) return insert_rival(number, is_new, cost, parent, step);
     if (is_new) append(cost, parent, step);
     return {number, is_new, !is_new && cost < nodes_.row(number)->cost};
 }
@@ -62,27 +62,23 @@ NodeStore::Arrival NodeStore::insert_rival(StateId state, bool is_new, std::int6
                                            OperatorId step) {
     if (is_new) first_rival_.push_back(-1);
     const PathScore score = scorer_->score(context_.data(), after_, {});
-    // A longer path dilutes a ratio of inexplicable steps, so a shorter one of lower cost does not dominate it.
+    Rival rival{state, -1, score.num_inexplicable, score.num_steps, false};
     for (NodeId other = first_rival_[state]; other >= 0; other = rivals_[other].next) {
-        const Rival& rival = rivals_[other];
-        if (nodes_.row(other)->cost <= cost && rival.count <= score.num_inexplicable &&
-            rival.num_steps >= score.num_steps) {
-            return {other, false, false};
-        }
+        if (dominates(rivals_[other], nodes_.row(other)->cost, rival, cost)) return {other, false, false};
     }
     NodeId* link = &first_rival_[state];
     while (*link >= 0) {
-        Rival& rival = rivals_[*link];
-        if (cost <= nodes_.row(*link)->cost && score.num_inexplicable <= rival.count &&
-            score.num_steps >= rival.num_steps) {
-            rival.dominated = true;
-            *link = rival.next;
+        Rival& other = rivals_[*link];
+        if (dominates(rival, cost, other, nodes_.row(*link)->cost)) {
+            other.dominated = true;
+            *link = other.next;
         } else {
-            link = &rival.next;
+            link = &other.next;
         }
     }
+    rival.next = first_rival_[state];
     const NodeId node = append(cost, parent, step);
-    rivals_.push_back({state, first_rival_[state], score.num_inexplicable, score.num_steps, false});
+    rivals_.push_back(rival);
     first_rival_[state] = node;
     return {node, true, false};
 }

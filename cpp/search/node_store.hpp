@@ -16,8 +16,9 @@ namespace explicable {
 using NodeId = std::int32_t;
 
 // When are two nodes the same? With `state`, there is one node a state. With `context`, nodes must also agree in what the
-// scorer still needs to know of the path; among such, those survive that are not dominated in (cost, inexplicable steps).
-enum class Closing { state, context };
+// scorer still needs to know of the path; among such, those survive that are not dominated in (cost, inexplicable steps). With
+// `context_and_length` a node dominates only shorter paths: a longer one dilutes the share of inexplicable steps.
+enum class Closing { state, context, context_and_length };
 
 class NodeStore {
 public:
@@ -36,7 +37,7 @@ public:
     void state(NodeId node, State& state) const;
     std::int64_t cost(NodeId node) const { return nodes_.row(node)->cost; }
     const std::byte* context(NodeId node) const { return contexts_.row(node); }
-    bool is_dominated(NodeId node) const { return closing_ == Closing::context && rivals_[node].dominated; }
+    bool is_dominated(NodeId node) const { return by_context() && rivals_[node].dominated; }
     std::vector<OperatorId> path(NodeId node) const;
     std::int32_t size() const { return static_cast<std::int32_t>(nodes_.size()); }
     std::size_t memory_bytes() const;
@@ -77,8 +78,13 @@ private:
     std::vector<std::byte> context_;
     State before_, after_;
 
+    bool by_context() const { return closing_ != Closing::state; }
+    bool dominates(const Rival& a, std::int64_t cost_a, const Rival& b, std::int64_t cost_b) const {
+        return cost_a <= cost_b && a.count <= b.count &&
+               (closing_ != Closing::context_and_length || a.num_steps >= b.num_steps);
+    }
     const Word* words(NodeId node) const {
-        return registry_[closing_ == Closing::context ? rivals_[node].state : node];
+        return registry_[by_context() ? rivals_[node].state : node];
     }
     void unpack(const Word* words, State& state) const;
     NodeId append(std::int64_t cost, NodeId parent, OperatorId step);

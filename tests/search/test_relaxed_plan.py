@@ -1,4 +1,4 @@
-"""Successors, relaxed plans and lower bounds against slow oracles, in the reachable states of random tasks."""
+"""Successors, relaxed plans and lower bounds against slow oracles, in reachable states of random tasks."""
 
 from itertools import islice
 

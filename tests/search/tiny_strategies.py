@@ -6,7 +6,7 @@ from oracles.tiny_tasks import TinyEffect, TinyOperator, TinyTask
 
 
 @st.composite
-def tiny_tasks(draw, conditional=True, max_facts=6, max_operators=8):
+def tiny_tasks(draw, conditional=True, min_cost=0, max_facts=6, max_operators=8):
     num_facts = draw(st.integers(1, max_facts))
     facts = st.frozensets(st.integers(0, num_facts - 1), max_size=2)
     none = st.just(frozenset())
@@ -22,7 +22,7 @@ def tiny_tasks(draw, conditional=True, max_facts=6, max_operators=8):
         facts,
         effects(none),
         more,
-        st.integers(0, 3),
+        st.integers(min_cost, 3),
     )
     return TinyTask(
         num_facts,

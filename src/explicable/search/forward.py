@@ -56,8 +56,7 @@ def search(
             A* with ``weight`` on the heuristic.
         ``"anytime"``
             A first plan by ``"default"``, then restarting weighted A* [5]_ in turns with A*, until the best
-            A first plan by ``"default"``, then restarting weighted A* [5]_ in turns with A*, until the best
-            plan is proved optimal or a limit is reached. With a scorer it minimises cost + alpha * dist (Eq. 3).
+            plan is proved optimal or a limit is reached. With a scorer: minimises cost + alpha * dist (Eq. 3).
         Where to start and what to reach, if not what the task says; the goal as facts or atoms.
     heuristic
         For ``"astar"`` (``"lmcut"``, ``"hmax"``, ``"blind"``) and ``"wastar"`` (``"ff"`` as well).
@@ -72,8 +71,8 @@ def search(
         Wall-clock seconds; bytes held by nodes and open lists; heuristic values computed.
     scorer
         With a compiled path scorer, ``"default"``, ``"ff"``, ``"lazy"`` and ``"eager"`` search by
-        h = (1 + c) * length(rp) (Eq. 4), where c counts the inexplicable steps in path # rp; best-first search
-        orders by f = g + h.
+        h = (1 + c) * length(rp) (Eq. 4), where c counts the inexplicable steps in path # rp; best-first
+        search orders by f = g + h.
     closing
         Two nodes are the same when they agree in the state, or also in what the scorer knows of the path.
     alpha, distance
