@@ -38,10 +38,10 @@ PROBLEM = """
 """
 
 
-def hospital() -> TeamProblem:
-    domain = parse_domain(DOMAIN)
+def hospital(robot_domain: str = DOMAIN, extra: str = "") -> TeamProblem:
+    """The nurse knows neither what the robot's own domain has beyond hers, nor the extra facts."""
     true, believed = "(locked hall store)", "(locked ward lab)"
     return TeamProblem(
-        robot=parse_problem(PROBLEM.format(locked=true), domain),
-        human=parse_problem(PROBLEM.format(locked=believed), domain),
+        robot=parse_problem(PROBLEM.format(locked=true + extra), parse_domain(robot_domain)),
+        human=parse_problem(PROBLEM.format(locked=believed), parse_domain(DOMAIN)),
     )

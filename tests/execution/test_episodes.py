@@ -2,7 +2,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hospital import hospital
+from hospital import DOMAIN, hospital
 
 from explicable.errors import PlanError, UsageError
 from explicable.execution.episodes import Ending, assign, judge, simulate, simulate_study
@@ -122,6 +122,16 @@ def test_traces_say_who_played_what_and_how_it_ended():
         assert episode.trace.notes["participant"]["horizon"] == "mission"
     with pytest.raises(UsageError, match="1 names for 2 problems"):
         simulate_study(maps, FAMILIES["mission"], names=["a"])
+
+
+def test_what_the_robot_can_not_do_is_refused_and_the_rest_is_done():
+    light = DOMAIN.replace("(in ?r ?p) (stored ?i ?p)", "(in ?r ?p) (light ?i) (stored ?i ?p)").replace(
+        "(asked ?i - item)", "(asked ?i - item) (light ?i - item)"
+    )
+    setting = prepare(hospital(light, "(light plaster)"))
+    episode = simulate(setting, Participant("simulated-1"), np.random.default_rng(0))
+    assert episode.ending is Ending.STUCK
+    assert ("fetch", "robo", "plaster", "store") in [step.action for step in episode.trace.steps]
 
 
 def test_an_unknown_way_is_misuse():

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hospital import hospital
+from hospital import DOMAIN, hospital
 
 from explicable.execution import mind as minds
 from explicable.execution.mind import Mind
@@ -136,6 +136,28 @@ def test_seeing_the_impossible_happen_corrects_the_belief(setting):
     mind, _ = after(setting, ASK, DETOUR, ("go", "robo", "ward", "lab"))
     assert not believes(setting, mind, BELIEVED_LOCKED)
     assert believes(setting, mind, ("in", "robo", "lab"))
+
+
+def test_unexpected_effects_are_seen():
+    falls_shut = DOMAIN.replace(
+        "(and (in ?r ?b) (not (in ?r ?a)))", "(and (in ?r ?b) (not (in ?r ?a)) (locked ?a ?b))"
+    )
+    setting = prepare(hospital(falls_shut))
+    mind, _ = after(setting, ASK, DETOUR)
+    assert believes(setting, mind, ("locked", "hall", "ward"))
+    assert believes(setting, mind, BELIEVED_LOCKED)
+
+
+def test_a_step_unheard_of_is_inexplicable_and_its_outcome_is_seen():
+    lift = """(:action lift :parameters (?r - robot ?a ?b - place) :precondition (in ?r ?a)
+              :effect (and (in ?r ?b) (not (in ?r ?a))))"""
+    setting = prepare(hospital(DOMAIN.rstrip().removesuffix(")") + lift + ")"))
+    up = ("lift", "robo", "hall", "attic")
+    mind, _ = after(setting, ASK)
+    assert minds.regret(setting.belief, Participant("simulated-1"), mind, up) == math.inf
+    mind, _ = after(setting, ASK, up)
+    assert believes(setting, mind, ("in", "robo", "attic"))
+    assert not believes(setting, mind, ("in", "robo", "hall"))
 
 
 def test_what_looks_nearest_is_asked_for_first(setting):

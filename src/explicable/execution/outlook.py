@@ -127,7 +127,7 @@ class Outlook:
     def _fulfilment(self, state: State, request: Request) -> tuple[float, int, Goal]:
         """Return the cost of a best way, the operator at its end, and what that one needs."""
         alone = self.stage.robots_alone(state)
-        ends = self._ends[request.action]
+        ends = self._ends.get(request.action, ())  # another model's request may be beyond this one
         ways = ((self._cost(alone, end.needs) + end.cost, end.operator, end.needs) for end in ends)
         return min(ways, default=(math.inf, _NONE, ()))
 

@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 
 from explicable.execution.outlook import Outlook
-from explicable.execution.stage import build_stage, differences
-from explicable.model.problem import GroundAtom
+from explicable.execution.stage import build_stage, differences, sayable
+from explicable.model.grounding import ground
+from explicable.model.problem import GroundAtom, Problem
+from explicable.model.task import Task
 from explicable.model.team import TeamProblem
 
 
@@ -21,7 +23,7 @@ class Setting:
     belief
         The mental task: what a participant thinks happens.
     differing
-        Initial facts on which the two differ; only these can be learnt.
+        Initial facts on which the two differ: what there is to learn.
     same_schemas
         Whether every step has the same effects in both, so that watching it teaches nothing else.
     """
@@ -43,10 +45,15 @@ def prepare(problem: TeamProblem) -> Setting:
     """
     differing = differences(problem)
     composite, mental = problem.composite, problem.mental
-    return Setting(
-        problem=problem,
-        truth=Outlook(problem, build_stage(composite, differing)),
-        belief=Outlook(problem, build_stage(mental, differing)),
-        differing=differing,
-        same_schemas=set(composite.domain.actions) == set(mental.domain.actions),
-    )
+    same_schemas = set(composite.domain.actions) == set(mental.domain.actions)
+    truth = Outlook(problem, build_stage(composite, differing))
+    surprising = () if same_schemas else _surprising(truth.task, mental)
+    belief = Outlook(problem, build_stage(mental, dict.fromkeys((*differing, *surprising))))
+    return Setting(problem, truth, belief, differing, same_schemas)
+
+
+def _surprising(truth: Task, mental: Problem) -> tuple[GroundAtom, ...]:
+    """List the facts that really change, and that the person has words for but takes to be constant."""
+    believed = ground(mental)
+    changing = (truth.fact(fact) for fact in range(truth.num_facts))
+    return tuple(atom for atom in changing if has_words(mental, atom) and believed.fact_number(atom) is None)

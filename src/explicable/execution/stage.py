@@ -76,11 +76,15 @@ def differences(problem: TeamProblem) -> tuple[GroundAtom, ...]:
     >>> differences(encode(World(("@x*", "..o"))))
     (('clear', 'c-0-1'),)
     """
-    mental = problem.mental
-    predicates = {predicate.name for predicate in mental.domain.predicates}
-    objects = {*mental.objects, *mental.domain.constants}
-    differing = set(problem.composite.init) ^ set(mental.init)
-    return tuple(sorted(a for a in differing if a[0] in predicates and objects.issuperset(a[1:])))
+    differing = set(problem.composite.init) ^ set(problem.mental.init)
+    return tuple(sorted(sayable(problem.mental, differing)))
+
+
+def sayable(problem: Problem, atoms: Iterable[GroundAtom]) -> list[GroundAtom]:
+    """Keep the atoms whose predicate and objects a problem declares."""
+    objects = {*problem.objects, *problem.domain.constants}
+    predicates = {predicate.name for predicate in problem.domain.predicates}
+    return [atom for atom in atoms if atom[0] in predicates and objects.issuperset(atom[1:])]
 
 
 def build_stage(problem: Problem, flippable: Iterable[GroundAtom] = ()) -> Stage:
