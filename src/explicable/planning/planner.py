@@ -82,7 +82,7 @@ def plan_explicably(
     alpha: float = 1.0,
     algorithm: Algorithm = "lazy",
     expected: bool = True,
-    closing: Closing = "context",
+    closing: Closing = "state",
     time_limit_s: float | None = None,
     improve_s: float = 1.0,
     seed: int = 0,
@@ -102,8 +102,9 @@ def plan_explicably(
     expected
         Count inexplicable steps by their expectation; False: by the most probable labels, as in the paper.
     closing
-        ``"context"``: a state is closed together with the labeller's context; ``"state"``: alone, as in the
-        paper.
+        Of the search for the first plan. ``"state"``: a state is closed alone, as in the paper.
+        ``"context"``: together with what the labeller still needs to know of the path, which is exact for
+        ``f``, but there are many more such nodes, and the search may not end in time.
     time_limit_s
         Seconds for the whole search.
     improve_s
@@ -115,18 +116,20 @@ def plan_explicably(
         If alpha is negative, infinite or not a number.
     """
     scorer = labeller.scorer(team_task, expected=expected)
-    options = _Options(scorer=scorer, closing=closing, seed=seed, alpha=check_alpha(alpha))
-    results = [search(team_task.task, algorithm, time_limit_s=time_limit_s, **options)]
+    options = _Options(scorer=scorer, seed=seed, alpha=check_alpha(alpha))
+    results = [search(team_task.task, algorithm, closing=closing, time_limit_s=time_limit_s, **options)]
     if results[0].outcome is Outcome.SOLVED:
         left_s = math.inf if time_limit_s is None else max(time_limit_s - results[0].search_s, 0.0)
         if min(improve_s, left_s) > 0:
-            results.append(search(team_task.task, "anytime", time_limit_s=min(improve_s, left_s), **options))
+            limit_s = min(improve_s, left_s)
+            results.append(
+                search(team_task.task, "anytime", closing="context", time_limit_s=limit_s, **options)
+            )
     return _team_plan(team_task, results, labeller, alpha)
 
 
 class _Options(TypedDict):
     scorer: PathScorer
-    closing: Closing
     seed: int
     alpha: float
 

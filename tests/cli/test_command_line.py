@@ -1,0 +1,240 @@
+"""The command line as a user types it: real processes, real files."""
+
+import json
+import subprocess
+import sys
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from explicable.model.grounding import ground_team
+from explicable.model.plan import read_plan
+from explicable.pddl import read_team_problem
+
+SOLVED, USAGE, BAD_INPUT, UNSOLVABLE, LIMIT = 0, 2, 3, 4, 5
+
+LAMP_DOMAIN = """(define (domain lamp) (:requirements :strips)
+  (:predicates (on) (broken))
+  (:action press :parameters () :precondition (and) :effect (on)))
+"""
+LAMP = "(define (problem dark) (:domain lamp) (:init) (:goal (on)))"
+BROKEN_LAMP = "(define (problem never) (:domain lamp) (:init) (:goal (broken)))"
+
+
+@dataclass(frozen=True)
+class Finished:
+    code: int
+    out: str
+    err: str
+
+
+def explicable(*arguments, cwd=None):
+    done = subprocess.run(
+        [sys.executable, "-m", "explicable", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=120,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr
+    return Finished(done.returncode, done.stdout, done.stderr)
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A folder in which a user has made maps, traces, a labeller and a PDDL task."""
+    folder = tmp_path_factory.mktemp("user")
+    for arguments in (
+        ["first-response", "generate", "--num", "5", "-o", "maps"],
+        [
+            "first-response",
+            "simulate",
+            *[f"maps/map-00{i}.map" for i in range(4)],
+            "--num",
+            "8",
+            "-o",
+            "traces.jsonl",
+        ],
+        ["first-response", "encode", "maps/map-004.map", "-o", "task"],
+        ["train", "traces.jsonl", "-o", "labeller.json", "--bootstrap", "5"],
+    ):
+        done = explicable(*arguments, cwd=folder)
+        assert done.code == 0, done.err
+    (folder / "lamp-domain.pddl").write_text(LAMP_DOMAIN)
+    (folder / "lamp.pddl").write_text(LAMP)
+    (folder / "broken-lamp.pddl").write_text(BROKEN_LAMP)
+    return folder
+
+
+TASK = ["task/domain.pddl", "task/problem.pddl"]
+HUMAN = ["--human-domain", "task/human-domain.pddl", "--human-problem", "task/human-problem.pddl"]
+
+
+def plan_as_json(place, *options):
+    done = explicable("plan", *TASK, *HUMAN, "--json", *options, cwd=place)
+    assert done.code == SOLVED, done.err
+    return json.loads(done.out)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        [],
+        ["--search", "ff"],
+        ["--labeller", "labeller.json"],
+        ["--labeller", "labeller.json", "--planner", "ff"],
+        ["--labeller", "labeller.json", "--alpha", "0", "--search", "eager"],
+    ],
+)
+def test_plan_solves_the_task_it_was_given(place, options):
+    answer = plan_as_json(place, *options, "-o", "plan.txt")
+    team = ground_team(read_team_problem(*(place / name for name in TASK)))
+    actions = read_plan(place / "plan.txt")
+    execution = team.task.execute(actions)
+    assert team.task.is_goal(execution.states[-1])
+    assert answer["plan"] == [f"({' '.join(action)})" for action in actions]
+    assert answer["cost"] == execution.cost == len(actions)
+    assert (place / "plan.txt").read_text().endswith(f"; cost = {execution.cost}\n")
+    assert set(answer["agents"]) == {"r1", "person"}
+    assert {"read_s", "ground_s", "search_s"} == set(answer["time"])
+    scored = "--labeller" in options
+    assert all(
+        (answer["scores"][name] is not None) == scored for name in ("f_paper", "f_robot", "f_expected")
+    )
+
+
+def test_the_label_command_recomputes_the_plan_commands_scores(place):
+    answer = plan_as_json(place, "--labeller", "labeller.json", "-o", "scored.txt")
+    done = explicable("label", "labeller.json", *TASK, "scored.txt", *HUMAN, "--json", cwd=place)
+    assert json.loads(done.out)["scores"].items() >= answer["scores"].items()
+
+
+def test_plan_goes_to_standard_output(place):
+    done = explicable("plan", "lamp-domain.pddl", "lamp.pddl", cwd=place)
+    assert done == Finished(SOLVED, "(press)\n; cost = 1\n", "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["plan", "lamp-domain.pddl", "broken-lamp.pddl"], UNSOLVABLE, "unsolvable"),
+        (["plan", *TASK, "--time-limit", "0"], LIMIT, "limit"),
+        (["plan", *TASK, "--planner", "explicable"], USAGE, "--labeller"),
+        (["plan", *TASK, "--labeller", "labeller.json", "--alpha", "-1"], USAGE, "alpha"),
+        (["plan", *TASK, "--labeller", "labeller.json", "--alpha", "nan"], USAGE, "alpha"),
+        (["plan", *TASK, "--labeller", "labeller.json", "--alpha", "inf"], USAGE, "alpha"),
+        (["plan", "missing.pddl", "lamp.pddl"], USAGE, "missing.pddl"),
+        (["plan", "lamp-domain.pddl", "task/problem.pddl"], BAD_INPUT, "task/problem.pddl:"),
+        (["plan", *TASK, "--labeller", "traces.jsonl"], BAD_INPUT, "traces.jsonl"),
+        (
+            ["plan", "lamp-domain.pddl", "lamp.pddl", "--labeller", "labeller.json"],
+            BAD_INPUT,
+            "another domain",
+        ),
+        (["label", "labeller.json", *TASK, "traces.jsonl"], BAD_INPUT, "traces.jsonl:1"),
+        (
+            ["first-response", "simulate", "maps/map-000.map", "--family", "saints", "-o", "x"],
+            USAGE,
+            "saints",
+        ),
+        (["walk"], USAGE, "walk"),
+    ],
+)
+def test_one_message_and_a_documented_exit_code(place, arguments, code, message):
+    done = explicable(*arguments, cwd=place)
+    assert done.code == code, done
+    assert message in done.err
+    assert done.out == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("#@*\n##\n", "bad.map:2"),
+        ("#@?*\n", "bad.map:1:3"),
+        ("..*\n", "robot"),
+        ("@..\n", "mark"),
+        ("@#*\n", "reach"),
+        ("", "bad.map"),
+    ],
+)
+def test_a_bad_map_is_named_and_nothing_is_written(tmp_path, text, message):
+    (tmp_path / "bad.map").write_text(text)
+    for command in (["render", "bad.map", "-o", "out.svg"], ["encode", "bad.map", "-o", "out"]):
+        done = explicable("first-response", *command, cwd=tmp_path)
+        assert done.code == BAD_INPUT
+        assert message in done.err
+        assert len(done.err.splitlines()) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.map"]
+
+
+def test_a_damaged_trace_or_labeller_is_named_with_its_line(place, tmp_path):
+    traces = (place / "traces.jsonl").read_text().splitlines(keepends=True)
+    (tmp_path / "traces.jsonl").write_text(traces[0] + traces[1][:-50] + "\n")
+    labeller = (place / "labeller.json").read_text()
+    (tmp_path / "labeller.json").write_text(labeller.replace('"c2": 0.3', '"c2": 0.4'))
+    trained = explicable("train", "traces.jsonl", "-o", "new.json", cwd=tmp_path)
+    assert trained.code == BAD_INPUT
+    assert trained.err.startswith("explicable: traces.jsonl:2:")
+    planned = explicable(
+        "plan", *(place / name for name in TASK), "--labeller", "labeller.json", cwd=tmp_path
+    )
+    assert planned.code == BAD_INPUT
+    assert "labeller.json" in planned.err
+    assert not (tmp_path / "new.json").exists()
+
+
+def test_traces_are_checked_merged_and_split(place, tmp_path):
+    whole = place / "traces.jsonl"
+    assert explicable("traces", "check", whole).code == 0
+    done = explicable("traces", "split", whole, "--by", "problem", "-o", tmp_path / "parts")
+    parts = sorted((tmp_path / "parts").iterdir())
+    assert (done.code, len(parts)) == (0, 4)
+    explicable("traces", "merge", *parts, "-o", tmp_path / "again.jsonl")
+    assert sorted((tmp_path / "again.jsonl").read_text().splitlines()) == sorted(
+        whole.read_text().splitlines()
+    )
+    record = json.loads(whole.read_text().splitlines()[0])
+    record["steps"] = record["steps"][1:]
+    (tmp_path / "bad.jsonl").write_text(json.dumps(record) + "\n")
+    checked = explicable("traces", "check", tmp_path / "bad.jsonl")
+    assert checked.code == BAD_INPUT
+    assert "bad.jsonl:1: " in checked.err
+
+
+def test_pictures_are_well_formed(place, tmp_path):
+    plan_as_json(place, "-o", "drawn.txt")
+    for view in ("human", "robot"):
+        target = tmp_path / f"{view}.svg"
+        done = explicable(
+            "first-response",
+            "render",
+            "maps/map-004.map",
+            "--view",
+            view,
+            "--plan",
+            "drawn.txt",
+            "-o",
+            target,
+            cwd=place,
+        )
+        assert done.code == 0
+        assert ET.parse(target).getroot().tag.endswith("svg")  # noqa: S314 (our own picture)
+
+
+def test_the_same_seed_makes_the_same_traces(place, tmp_path):
+    maps = sorted((place / "maps").iterdir())
+    for name in ("one", "two"):
+        explicable(
+            "first-response", "simulate", *maps, "--seed", "7", "--family", "mission", "-o", tmp_path / name
+        )
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+
+def test_every_command_explains_itself():
+    for command in ([], ["plan"], ["demo"], ["train"], ["label"], ["traces"], ["first-response"]):
+        done = explicable(*command, "--help")
+        assert done.code == 0
+        assert "Usage" in done.out
