@@ -56,4 +56,4 @@ def _surprising(truth: Task, mental: Problem) -> tuple[GroundAtom, ...]:
     """List the facts that really change, and that the person has words for but takes to be constant."""
     believed = ground(mental)
     changing = (truth.fact(fact) for fact in range(truth.num_facts))
-    return tuple(atom for atom in changing if has_words(mental, atom) and believed.fact_number(atom) is None)
+    return tuple(atom for atom in sayable(mental, changing) if believed.fact_number(atom) is None)
