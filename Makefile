@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test test-slow check bench clean
+.PHONY: demo test test-slow check bench pictures clean
 
 $(STAMP): pyproject.toml constraints.txt CMakeLists.txt $(shell find cpp -type f)
 	PYTHON=$(PYTHON) sh tools/setup.sh $(VENV)
@@ -36,6 +36,9 @@ $(PEERS)/.installed: benchmarks/peers.txt
 
 bench: $(STAMP) $(PEERS)/.installed
 	$(BIN)/python benchmarks/run.py --runs $(RUNS) $(if $(TASKS),--tasks $(TASKS))
+
+pictures: $(STAMP)
+	$(BIN)/python tools/pictures.py
 
 clean:
 	rm -rf $(VENV) $(PEERS) build demo

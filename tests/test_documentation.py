@@ -1,17 +1,33 @@
-"""The Python code in README and docs runs as printed."""
+"""The code in README and docs runs as printed: commands of `explicable` and Python, from top to bottom."""
 
 import re
+import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"^```(python|sh)\n(.*?)^```", flags=re.MULTILINE | re.DOTALL)
+
+
+def run_commands(text, page):
+    for line in text.replace("\\\n", " ").splitlines():
+        program, *arguments = shlex.split(line, comments=True)
+        assert program == "explicable", (
+            f"{page}: commands to be typed at other programs go into a plain block"
+        )
+        subprocess.run([sys.executable, "-m", "explicable", *arguments], check=True, timeout=300)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_code_runs_as_printed(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     namespace = {}
-    for block in re.findall(r"^```python\n(.*?)^```", page.read_text(), flags=re.MULTILINE | re.DOTALL):
-        exec(compile(block, page.name, "exec"), namespace)  # noqa: S102 (our own pages)
+    for language, text in BLOCK.findall(page.read_text()):
+        if language == "python":
+            exec(compile(text, page.name, "exec"), namespace)  # noqa: S102 (our own pages)
+        else:
+            run_commands(text, page.name)
