@@ -9,6 +9,8 @@ namespace {
 // but a product of them may grow exponentially.
 constexpr std::size_t max_products = std::size_t{1} << 14;
 constexpr std::size_t max_conjunctions = std::size_t{1} << 20;
+// Quantifiers in each other multiply: so many parts of one condition take some seconds.
+constexpr std::size_t max_expanded = std::size_t{1} << 24;
 
 [[noreturn]] void refuse(std::size_t limit) {
     throw TooLarge("a condition splits into more than " + std::to_string(limit) + " conjunctions");
@@ -148,14 +150,23 @@ std::int32_t ConditionGrounder::add_join(const std::vector<std::int32_t>& domain
 
 Disjunction ConditionGrounder::ground(const Conjunction& known, const std::vector<const Formula*>& formulas,
                                       std::int32_t* binding) {
+    num_expanded_ = 0;
     Product product;
     product.multiply({known});
     for (const Formula* formula : formulas)
-        if (!product.multiply(ground(*formula, binding))) return {};
+        if (!product.multiply(expand(*formula, binding))) return {};
     return product.take();
 }
 
 Disjunction ConditionGrounder::ground(const Formula& formula, std::int32_t* binding) {
+    num_expanded_ = 0;
+    return expand(formula, binding);
+}
+
+Disjunction ConditionGrounder::expand(const Formula& formula, std::int32_t* binding) {
+    if (++num_expanded_ > max_expanded)
+        throw TooLarge("a condition has more than " + std::to_string(max_expanded) +
+                       " parts once its quantifiers are expanded");
     const Disjunction falsity, truth{{}};
     auto value = [&](Term term) { return term >= 0 ? binding[term] : ~term; };
     switch (formula.kind) {
@@ -175,20 +186,20 @@ Disjunction ConditionGrounder::ground(const Formula& formula, std::int32_t* bind
         case Formula::Kind::conjunction: {
             Product product;
             for (const Formula& part : formula.parts)
-                if (!product.multiply(ground(part, binding))) return falsity;
+                if (!product.multiply(expand(part, binding))) return falsity;
             return product.take();
         }
         case Formula::Kind::disjunction: {
             Sum sum;
             for (const Formula& part : formula.parts)
-                if (sum.add(ground(part, binding))) break;
+                if (sum.add(expand(part, binding))) break;
             return sum.take();
         }
         case Formula::Kind::forall: {
             Product product;
             bool is_false = false;
             joiner_.run(joins_[formula.join], binding, nullptr, [&] {
-                if (!is_false) is_false = !product.multiply(ground(formula.parts[0], binding));
+                if (!is_false) is_false = !product.multiply(expand(formula.parts[0], binding));
             });
             return is_false ? falsity : product.take();
         }
@@ -196,7 +207,7 @@ Disjunction ConditionGrounder::ground(const Formula& formula, std::int32_t* bind
             Sum sum;
             bool is_true = false;
             joiner_.run(joins_[formula.join], binding, nullptr, [&] {
-                if (!is_true) is_true = sum.add(ground(formula.parts[0], binding));
+                if (!is_true) is_true = sum.add(expand(formula.parts[0], binding));
             });
             return sum.take();
         }

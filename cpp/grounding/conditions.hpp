@@ -50,12 +50,14 @@ public:
     const JoinPlan& join(std::int32_t number) const { return joins_[number]; }
 
 private:
+    Disjunction expand(const Formula& formula, std::int32_t* binding);
     std::int32_t add_join(const std::vector<std::int32_t>& domains, std::int32_t first_variable,
                           const Formula& body, bool body_must_hold);
 
     Database& database_;
     Joiner& joiner_;
     std::vector<JoinPlan> joins_;
+    std::size_t num_expanded_ = 0;  // parts of the present condition, once for each binding of its quantifiers
 };
 
 }  // namespace explicable::grounding

@@ -15,6 +15,7 @@ from explicable.model.problem import (
     Atom,
     Domain,
     Effect,
+    Exists,
     Not,
     Or,
     Parameter,
@@ -127,6 +128,16 @@ def test_exponential_normal_form_is_refused():
     clauses = And(tuple(Or((Atom(f"f{2 * i}", ()), Atom(f"f{2 * i + 1}", ()))) for i in range(40)))
     with pytest.raises(ResourceError, match="conjunctions"):
         ground(problem_of(clauses, 80))
+
+
+def test_quantifiers_in_each_other_do_not_hang():
+    condition = Atom("never", ())
+    for number in range(40):
+        condition = Exists((Parameter(f"?x{number}"),), condition)
+    domain = Domain("d", frozenset(), {}, {}, (Predicate("never", ()),), (), ())
+    objects = {"a": ("object",), "b": ("object",)}
+    with pytest.raises(ResourceError, match="once its quantifiers are expanded"):
+        ground(Problem("p", domain, objects, (), condition, {}))
 
 
 def test_disjunctive_goal_holds_without_auxiliary_steps():
