@@ -69,7 +69,7 @@ def test_a_person_who_does_as_predicted_needs_one_plan(setting):
     predicted = planner(()).actions
     script = [action for action in predicted if action[0] == "ask"]
     planner.asked.clear()
-    played = run(setting, planner, ScriptedPerson(setting, [None, *script]))
+    played = run(setting, planner, ScriptedPerson(setting, script))
     assert played.episode.ending is Ending.REACHED
     assert played.num_deviations == 0
     assert planner.asked == [()]
@@ -78,7 +78,7 @@ def test_a_person_who_does_as_predicted_needs_one_plan(setting):
 
 def test_a_deviation_is_counted_and_answered_by_a_plan_from_there(setting):
     planner = ShortestJointPlanner(setting)
-    played = run(setting, planner, ScriptedPerson(setting, [None, ASK_SYRINGE, ASK_PLASTER]))
+    played = run(setting, planner, ScriptedPerson(setting, [ASK_SYRINGE, ASK_PLASTER]))
     assert played.episode.ending is Ending.REACHED
     assert sorted(action for action in actions(played) if action[0] == "ask") == [ASK_PLASTER, ASK_SYRINGE]
     assert all(past == tuple(actions(played)[: len(past)]) for past in planner.asked)

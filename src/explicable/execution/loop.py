@@ -149,6 +149,7 @@ class _Loop:
         self.step_succeeded = False
         self.refused: frozenset[GroundAtom] = frozenset()
         self.robot_moved = False
+        self.has_planned = False  # since the last step
         self.idle_events = 0
         self.occurrences: list[Occurrence] = []
         self.planning_s: list[float] = []
@@ -203,6 +204,8 @@ class _Loop:
             return Event.GOAL_HOLDS, ()
         if len(self.game.steps) >= self.max_steps or self.idle_events > _PATIENCE:
             return Event.TIME_UP, ()
+        if not self.plan and not self.has_planned:  # predict before the person acts
+            return Event.PLAN_BROKEN, ()
         if self.person.request is None or (self.robot_moved and self.person.thinks_over()):
             self.robot_moved = False
             asked = self.person_chooses()
@@ -242,9 +245,11 @@ class _Loop:
 
     def take(self, action: GroundAtom) -> None:
         self.game.take(action)
+        self.has_planned = False
         self.idle_events = 0
 
     def request_plan(self, _: GroundAtom) -> None:
+        self.has_planned = True
         began = self.clock()
         self.proposal = self.planner(tuple(step.action for step in self.game.steps))
         self.planning_s.append(self.clock() - began)
