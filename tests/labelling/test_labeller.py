@@ -1,6 +1,7 @@
 """The labeller learns, says how sure it is, survives its file, and refuses what is damaged or foreign."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -185,6 +186,24 @@ def test_explanation_names_what_speaks_against_a_step(labeller, team):
     assert command == []
     assert len(detour) == 3
     assert any("the request: farther" in text and weight < 0 for text, weight in detour)
+
+
+def test_annotators_who_disagree_make_intervals_wider(problem, team):
+    traces = judged_walks(problem, team, np.random.default_rng(0), 30)
+    lenient = [
+        replace(t, steps=tuple(replace(s, label=s.label is not None or None) for s in t.steps))
+        if t.annotator == "ben"
+        else t
+        for t in traces
+    ]
+    names = ("anna", "ben", "cleo")
+    mixed = [replace(trace, annotator=names[n // 3 % 3]) for n, trace in enumerate(lenient)]
+    widths = []
+    for training in (mixed, lenient):  # the same labels; the second lays what differs at one annotator's door
+        labeller = Labeller.train(training, c2=0.1, num_bootstrap=30)
+        low, high = zip(*(labeller.label(team, t.actions).interval() for t in traces[:6]), strict=True)
+        widths.append(np.mean(high) - np.mean(low))
+    assert widths[1] > widths[0]
 
 
 def test_bad_training_data(problem):

@@ -10,22 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explicable import _core
-from explicable.errors import LabellerError, PlanError, TraceError, UsageError
+from explicable.errors import LabellerError, UsageError
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
+from explicable.labelling.learning import CLASSES, TrainingData, fit_annotators
 from explicable.labelling.score import PlanScores, score_plan
 from explicable.labelling.templates import explain_feature, feature_code
 from explicable.labelling.traces import Trace
-from explicable.labelling.uncertainty import fit_bootstrap, fraction_interval, mix
-from explicable.model.grounding import ground_team
+from explicable.labelling.uncertainty import fraction_interval, mix
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem, TeamTask, schema_kind
 
 if TYPE_CHECKING:
     from typing import Self
-
-CLASSES = (True, False)
-"""Explicable and inexplicable; ties go to the first, and the second is the paper's empty label."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +44,8 @@ class LabelledPlan:
     scores
         Explicability in all variants, the weights taken for granted.
     distribution
-        Entry k: probability that k of the robots' steps are explicable, uncertainty of the weights included.
+        Entry k: probability that a new annotator finds k of the robots' steps explicable, uncertainty of the
+        weights and differences between annotators included.
     """
 
     actions: tuple[GroundAtom, ...]
@@ -61,7 +59,7 @@ class LabelledPlan:
     def interval(
         self, level: float = 0.95, steps: Literal["robot", "paper"] = "robot"
     ) -> tuple[float, float]:
-        """Return the central interval of ``F_robot`` or ``F_paper``, uncertainty of the weights included.
+        """Return the central interval of ``F_robot`` or ``F_paper`` as a new annotator would give it.
 
         Raises
         ------
@@ -82,7 +80,7 @@ class Labeller:
     model
         The conditional random field, its classes in the order of `CLASSES`.
     bootstrap
-        Models trained under random weights of traces; how they differ says how sure the labeller is.
+        Models that each stand for one annotator; how they differ says how sure the labeller is.
     schemas
         Names of the robots' action schemas that occurred in training.
     summary
@@ -93,6 +91,7 @@ class Labeller:
     >>> from explicable.first_response.encoding import encode
     >>> from explicable.first_response.world import parse_map
     >>> from explicable.labelling.traces import LabelledStep
+    >>> from explicable.model.grounding import ground_team
     >>> problem = encode(parse_map("#####\n#@.*#\n#####\n"))
     >>> plan = [
     ...     ("command", "person", "c-1-3"),
@@ -123,7 +122,7 @@ class Labeller:
         traces: Iterable[Trace],
         *,
         c1: float = 0.0,
-        c2: float = 0.3,
+        c2: float = 1.0,
         num_bootstrap: int = 50,
         seed: int = 0,
         annotator_weights: Mapping[str, float] | None = None,
@@ -140,7 +139,7 @@ class Labeller:
         c1, c2
             Weights of the L1 and L2 penalty.
         num_bootstrap
-            Number of models of the Bayesian bootstrap; 0: the uncertainty of the weights is left out.
+            Number of models of the Bayesian bootstrap; 0: intervals take the weights for granted.
         seed
             Of the bootstrap.
         annotator_weights
@@ -155,18 +154,16 @@ class Labeller:
         """
         if num_bootstrap < 0:
             raise UsageError(f"the number of bootstrap models must not be negative, as {num_bootstrap} is")
-        data = _TrainingData()
+        data = TrainingData()
         for trace in traces:
             data.add(trace)
         if data.num_labels == 0:
             raise UsageError("no robot's step has a label: there is nothing to learn from")
         sample_weight = [float((annotator_weights or {}).get(name, 1.0)) for name in data.annotators]
         model = ConditionalRandomField(c1=c1, c2=c2, classes=CLASSES)
-        bootstrap = []
-        if num_bootstrap:
-            rng = np.random.default_rng(seed)
-            bootstrap = fit_bootstrap(model, data.features, data.labels, rng, num_bootstrap, sample_weight)
         model.fit(data.features, data.labels, sample_weight)
+        rng = np.random.default_rng(seed)
+        bootstrap = fit_annotators(model, data, rng, num_bootstrap, sample_weight) if num_bootstrap else []
         summary = {
             "c1": c1,
             "c2": c2,
@@ -307,37 +304,6 @@ class Labeller:
         """How much each feature speaks for explicable rather than inexplicable."""
         difference = self.model.state_weights_[:, 0] - self.model.state_weights_[:, 1]
         return dict(zip(self.model.feature_names_, difference.tolist(), strict=True))
-
-
-class _TrainingData:
-    """Features and labels of traces; each problem is grounded once."""
-
-    def __init__(self) -> None:
-        self.features: list[list[tuple[str, ...]]] = []
-        self.labels: list[list[bool | None]] = []
-        self.annotators: list[str] = []
-        self.schemas: set[str] = set()
-        self.num_labels = 0
-        self._teams: dict[int, tuple[TeamProblem, TeamFeatures]] = {}  # holds on to problems: ids stay unique
-
-    def add(self, trace: Trace) -> None:
-        if id(trace.problem) not in self._teams:
-            self._teams[id(trace.problem)] = (trace.problem, TeamFeatures(ground_team(trace.problem)))
-        team = self._teams[id(trace.problem)][1]
-        try:
-            execution = team.task.execute(trace.actions)
-        except PlanError as error:
-            raise TraceError(error.message, line=len(self.labels) + 1) from error
-        self.features.append(team.extract(execution.operators, execution.states))
-        self.annotators.append(trace.annotator)
-        labels: list[bool | None] = []
-        for step, operator in zip(trace.steps, execution.operators, strict=True):
-            is_human = team.tables.is_human(operator)
-            labels.append(True if is_human else step.label)
-            if not is_human:
-                self.schemas.add(step.action[0])
-                self.num_labels += step.label is not None
-        self.labels.append(labels)
 
 
 def _robot_schemas(problem: TeamProblem) -> list[str]:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from explicable.errors import LabellerError, UsageError
 from explicable.labelling.crf import ConditionalRandomField
-from explicable.labelling.labeller import CLASSES, Labeller
+from explicable.labelling.labeller import Labeller
+from explicable.labelling.learning import CLASSES
 from explicable.labelling.templates import TEMPLATES_VERSION
 from explicable.model.files import write_whole
 
