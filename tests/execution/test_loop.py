@@ -120,15 +120,7 @@ def test_a_run_stops_at_the_step_limit(setting):
     assert played.episode.ending is Ending.LIMIT
 
 
-@settings(max_examples=60, deadline=None)
-@given(
-    seed=st.integers(0, 5),
-    robot=st.lists(st.booleans(), min_size=1, max_size=3),
-    failing=st.lists(st.booleans(), min_size=1, max_size=4),
-    readiness=st.sampled_from([0.0, 0.5, 1.0]),
-    semantics=st.sampled_from(["exclusive", "persistent"]),
-)
-def test_any_run_ends_and_every_step_is_legal(seed, robot, failing, readiness, semantics):
+def play_disturbed(seed, robot, failing, readiness, semantics):
     rng = np.random.default_rng(seed)
     problem = encode(generate(rng, height=4, width=4, num_marks=2), semantics)
     setting = prepare(problem)
@@ -144,6 +136,28 @@ def test_any_run_ends_and_every_step_is_legal(seed, robot, failing, readiness, s
     assert played.episode.ending is (Ending.REACHED if any(robot) else Ending.STUCK)
     task = ground_team(problem).task
     assert task.is_goal(task.execute(actions(played)).states[-1]) == any(robot)
+
+
+disturbances = given(
+    seed=st.integers(0, 1000),
+    robot=st.lists(st.booleans(), min_size=1, max_size=3),
+    failing=st.lists(st.booleans(), min_size=1, max_size=4),
+    readiness=st.sampled_from([0.0, 0.5, 1.0]),
+    semantics=st.sampled_from(["exclusive", "persistent"]),
+)
+
+
+@settings(max_examples=40, deadline=None)
+@disturbances
+def test_any_run_ends_and_every_step_is_legal(seed, robot, failing, readiness, semantics):
+    play_disturbed(seed, robot, failing, readiness, semantics)
+
+
+@pytest.mark.slow
+@settings(max_examples=2000, deadline=None)
+@disturbances
+def test_many_disturbed_runs_end_by_legal_steps(seed, robot, failing, readiness, semantics):
+    play_disturbed(seed, robot, failing, readiness, semantics)
 
 
 def test_times_in_the_record_come_from_the_clock():
