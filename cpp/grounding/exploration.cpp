@@ -184,6 +184,7 @@ void Exploration::instantiate(std::int32_t number) {
 }
 
 void Exploration::add_operator(const Form& form, std::int32_t cost, const Conjunction& precondition) {
+    joiner_.tick(precondition.size());
     if (form.may_repeat && is_repeated(form, precondition)) return;
     const std::int32_t op = operators_.size();
     const auto num_parameters = task_.schemas[form.schema].domains.size();
@@ -242,6 +243,7 @@ void Exploration::add_conditional_effects(const Form& form) {
     for (auto first = changes.begin(); first != changes.end();) {
         auto last = first;
         std::vector<FactId> adds, deletes;
+        joiner_.tick(first->condition.size());
         for (; last != changes.end() && last->condition == first->condition; ++last)
             (last->positive ? adds : deletes).push_back(last->fact);
         operators_.effect_conditions.push_back(first->condition);

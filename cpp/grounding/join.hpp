@@ -86,8 +86,11 @@ public:
     }
 
     // Counts work, so that memory and interrupts are looked at now and then.
-    void tick() {
-        if (++ticks_ % 65536 == 0) poll_();
+    void tick(std::size_t work = 1) {
+        work_ += work;
+        if (work_ < 65536) return;
+        work_ = 0;
+        poll_();
     }
 
 private:
@@ -167,7 +170,7 @@ private:
     const Database& database_;
     std::function<void()> poll_;
     std::vector<std::int32_t> scratch_;
-    std::uint64_t ticks_ = 0;
+    std::size_t work_ = 0;
 };
 
 }  // namespace explicable::grounding
