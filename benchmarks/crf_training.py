@@ -1,8 +1,8 @@
 """Training on permutation-augmented traces: this package against CRFsuite, each in a process of its own.
 
-Run ``python benchmarks/crf_training.py``. It prints one line per program: seconds of CPU time for reading and for
-training, peak memory beyond that of an idle interpreter, penalised loss reached. Both see the same streams of
-sequences, made anew in each process, and stop after the same number of iterations.
+Run ``python benchmarks/crf_training.py``. It prints one line per program: seconds of CPU time for reading and
+for training, peak memory beyond that of an idle interpreter, penalised loss. Both see the same streams
+of sequences, made anew in each process, and stop after the same number of iterations.
 """
 
 import argparse
@@ -14,16 +14,19 @@ import sys
 import tempfile
 import time
 import warnings
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from explicable.labelling.augment import ground_symbol_features, permute, random_permutations
 
+Sequence = tuple[list, list[str]]  # features and labels
+
 GRID = 8
 CELLS = tuple(f"c-{row}-{column}" for row in range(GRID) for column in range(GRID))
 
 
-def base_traces(rng, num_traces):
+def base_traces(rng: np.random.Generator, num_traces: int) -> Iterator[tuple[tuple, list[str]]]:
     """Yield random walks of 24 to 35 steps on a grid; going back and standing by a wall look inexplicable."""
     for _ in range(num_traces):
         place, before, actions, labels = rng.integers(1, GRID - 1, 2), None, [], []
@@ -41,7 +44,7 @@ def base_traces(rng, num_traces):
         yield tuple(actions), labels
 
 
-def sequences(num_traces, num_permutations, seed=0):
+def sequences(num_traces: int, num_permutations: int, seed: int = 0) -> Iterator[Sequence]:
     """Yield features and labels: ground symbols of each step and of the step before."""
     rng = np.random.default_rng(seed)
     for actions, labels in base_traces(rng, num_traces):
@@ -50,7 +53,8 @@ def sequences(num_traces, num_permutations, seed=0):
             yield ground_symbol_features(copy, window=1), labels
 
 
-def run_explicable(data, iterations, c2):
+def run_explicable(data: Iterable[Sequence], iterations: int, c2: float) -> dict:
+    """Train the model of this package."""
     from explicable.labelling.crf import ConditionalRandomField
 
     warnings.simplefilter("ignore")
@@ -58,7 +62,7 @@ def run_explicable(data, iterations, c2):
     crf = ConditionalRandomField(c2=c2, max_iterations=iterations, tolerance=0.0)
     answers = []  # gathered while the features are read
 
-    def features_of_data():
+    def features_of_data() -> Iterator[list]:
         for features, labels in data:
             answers.append(labels)
             yield features
@@ -75,7 +79,8 @@ def run_explicable(data, iterations, c2):
     }
 
 
-def run_crfsuite(data, iterations, c2):
+def run_crfsuite(data: Iterable[Sequence], iterations: int, c2: float) -> dict:
+    """Train CRFsuite's."""
     import pycrfsuite
 
     start = time.process_time()
@@ -99,7 +104,8 @@ def run_crfsuite(data, iterations, c2):
     }
 
 
-def main():
+def main() -> None:
+    """Run one program, or both."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--traces", type=int, default=34)
     parser.add_argument("--permutations", type=int, default=1000)

@@ -10,7 +10,7 @@ from pathlib import Path
 from tables import Records, agile_score, geometric_mean, markdown_table, number, read_records
 from targets import rates, ratios, targets
 
-from peers import FD_EAGER, FD_LAZY, OURS, WARM
+from peers import FD_EAGER, FD_LAZY, LABELLED, MAP_FOR_LABELS, OURS, PLAIN, WARM
 
 # FF 2.3 has no package and can't run here. Whole process, CPU seconds, measured on another machine.
 FF_QUOTED = {
@@ -199,6 +199,25 @@ def _growth(records: Records) -> Iterator[str]:
     yield markdown_table(["task", *(f"{p}, s" for p in programs), *(f"{p}, MiB" for p in programs)], rows)
 
 
+def _labelled(records: Records) -> Iterator[str]:
+    runs = records.of("labelled")
+    plain, labelled = (rates(runs, program).get("") for program in (PLAIN, LABELLED))
+    if not plain or not labelled:
+        return
+    yield "## Search with a labeller\n"
+    side, marks = MAP_FOR_LABELS
+    yield f"Eager greedy search on a map of {side}x{side} cells, {marks} marks, 5000 evaluations at most.\n"
+    added_us = number(1e6 / labelled - 1e6 / plain)
+    row = [number(plain / 1000), number(labelled / 1000), number(labelled / plain), added_us]
+    head = [
+        "thousand evaluations a second, plain",
+        "labelled",
+        "ratio",
+        "added by the labeller, us an evaluation",
+    ]
+    yield markdown_table(head, [row])
+
+
 def _crf(records: Records) -> Iterator[str]:
     runs = records.of("crf")
     if not runs.runs:
@@ -217,7 +236,7 @@ def _crf(records: Records) -> Iterator[str]:
     yield markdown_table(["program", *figures], rows)
 
 
-SECTIONS = (_first_plans, _rates, _grounding, _growth, _crf)
+SECTIONS = (_first_plans, _rates, _grounding, _growth, _labelled, _crf)
 
 if __name__ == "__main__":
     write_page(*map(Path, sys.argv[1:]))

@@ -20,6 +20,9 @@ FD_LAMA = "FD LAMA-first"
 FD_EAGER = "FD eager"
 FD_TRANSLATE = "FD translate"
 CRFSUITE = "crfsuite"
+PLAIN = "plain"
+LABELLED = "labelled"
+MAP_FOR_LABELS = ("25", "8")  # cells a side, marks
 
 _FF = "let(hff, eval_modify_costs(ff(), cost_type=one), "
 _SEARCHES = {
@@ -86,7 +89,7 @@ class Peers:
     def planners(self) -> list[Program]:
         """Ours twice, in a fresh process and in a warm one, then the peers, whole processes all."""
         script = Path(sys.executable).with_name("explicable")
-        fresh = Stage("plan", (str(script), "plan", "domain.pddl", "problem.pddl", "--out", "plan"))
+        fresh = Stage("plan", (str(script), "plan", "domain.pddl", "problem.pddl", "--output", "plan"))
         return [
             Program(OURS, (fresh,)),
             Program(WARM, (_probe(sys.executable, "plan"),), read=report),
@@ -102,6 +105,13 @@ class Peers:
         """Eager greedy best-first search with the FF heuristic and unit costs, for five seconds at most."""
         ours = Program(OURS, (_probe(sys.executable, "rate", "5"),), plan=None, read=report)
         return [ours, self._fast_downward(FD_EAGER, plan=None, read=downward_statistics)]
+
+    def labelled(self) -> list[Program]:
+        """Search on a map without and with a labeller."""
+        probes = (_probe(sys.executable, "labelled", *MAP_FOR_LABELS, answer) for answer in ("no", "yes"))
+        return [
+            Program(n, (p,), plan=None, read=report) for n, p in zip((PLAIN, LABELLED), probes, strict=True)
+        ]
 
     def grounders(self) -> list[Program]:
         """Readers and grounders, warm."""

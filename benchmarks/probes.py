@@ -60,8 +60,35 @@ def rate(domain: Path, problem: Path, seconds: str) -> dict:
     from explicable.pddl import read_pair
     from explicable.search import search
 
-    result = search(ground(read_pair(domain, problem)), "eager", time_limit_s=float(seconds))
-    return {"evaluations": result.evaluations, "search_s": result.search_s}
+    task = ground(read_pair(domain, problem))
+    start = cpu_s()
+    result = search(task, "eager", time_limit_s=float(seconds))
+    return {"evaluations": result.evaluations, "search_s": cpu_s() - start}
+
+
+def labelled(_domain: Path, _problem: Path, size: str, marks: str, with_scorer: str) -> dict:
+    """Eager greedy search on a map, plain or with a labeller that scores each node's path and relaxed plan."""
+    import numpy as np
+
+    from explicable.execution.episodes import simulate_study
+    from explicable.execution.participants import builtin_families
+    from explicable.first_response.encoding import encode
+    from explicable.first_response.generator import builtin_maps, generate
+    from explicable.labelling.labeller import Labeller
+    from explicable.model.grounding import ground_team
+    from explicable.search import search
+
+    world = generate(np.random.default_rng(0), height=int(size), width=int(size), num_marks=int(marks))
+    team = ground_team(encode(world))
+    scorer = None
+    if with_scorer == "yes":
+        training = [encode(map_) for map_ in builtin_maps("training").values()][:8]
+        family = next(iter(builtin_families().values()))
+        traces = [episode.trace for episode in simulate_study(training, family, num_traces=8)]
+        scorer = Labeller.train(traces, num_bootstrap=0).scorer(team)
+    start = cpu_s()
+    result = search(team.task, "eager", scorer=scorer, max_evaluations=5000)
+    return {"evaluations": result.evaluations, "search_s": cpu_s() - start}
 
 
 def ground(domain: Path, problem: Path) -> dict:
@@ -122,7 +149,7 @@ def plan_mimir(domain: Path, problem: Path) -> dict:
 
 PROBES: dict[str, Callable[..., dict]] = {
     probe.__name__: probe
-    for probe in (plan, rate, ground, ground_fd, ground_mimir, ground_tarski, plan_mimir)
+    for probe in (plan, rate, labelled, ground, ground_fd, ground_mimir, ground_tarski, plan_mimir)
 }
 
 if __name__ == "__main__":

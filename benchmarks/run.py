@@ -22,19 +22,20 @@ from measure import MIB, Limits
 from page import write_page
 from rich.progress import MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from solve import solve
-from tasks import GROUNDING_TASKS, RATE_TASKS, BenchmarkTask, generated, growing, read_folder, small
+from tasks import GROUNDING_TASKS, RATE_TASKS, BenchmarkTask, growing, mixed, read_folder, small
 
 from peers import FD_LAZY, HERE, OURS, Peers, Program
 
 ROOT = HERE.parent
-EXPERIMENTS = ("planners", "rate", "grounding", "growth", "crf")
+EXPERIMENTS = ("planners", "rate", "grounding", "growth", "labelled", "crf")
 
 
 @dataclass(frozen=True, slots=True)
 class Bench:
-    """Where to run, how often, and where the records go."""
+    """What to run, how often, and where the records go."""
 
     peers: Peers
+    without: tuple[str, ...]
     limits: Limits
     runs: int
     records: TextIO
@@ -69,6 +70,9 @@ class Bench:
         with TemporaryDirectory(prefix="explicable-bench-") as folder:
             task = small(Path(folder))
             for program in programs:
+                if program.name in self.without:
+                    self.record("absent", program=program.name, task=experiment, why="left out on request")
+                    continue
                 record = solve(program, task, self.peers, self.limits)
                 if record["outcome"] == "solved":
                     able.append(program)
@@ -92,7 +96,9 @@ def run_experiment(bench: Bench, experiment: str, tasks: list[BenchmarkTask], fo
             )
         case "growth":
             programs = [p for p in bench.peers.planners() if p.name in {OURS, FD_LAZY}]
-            bench.take_turns(experiment, programs, growing(folder))
+            bench.take_turns(experiment, bench.able(experiment, programs), growing(folder))
+        case "labelled":
+            bench.take_turns(experiment, bench.peers.labelled(), [None])
         case "crf":
             bench.take_turns(experiment, bench.peers.trainers(), [None])
 
@@ -152,6 +158,7 @@ def _kept(path: Path) -> Iterator[TextIO]:
 @click.option(
     "--only", multiple=True, type=click.Choice(EXPERIMENTS), help="Experiments to run; default: all."
 )
+@click.option("--without", multiple=True, help="Programs to leave out, by name.")
 @click.option("--match", default="", help="Only tasks whose name contains this.")
 @click.option("--cpu-limit", default=30.0, show_default=True, help="CPU seconds for each run.")
 @click.option(
@@ -169,6 +176,7 @@ def main(
     tasks: Path | None,
     runs: int,
     only: tuple[str, ...],
+    without: tuple[str, ...],
     match: str,
     cpu_limit: float,
     home: Path,
@@ -185,9 +193,9 @@ def main(
         Progress(*columns) as progress,
     ):
         folder = Path(name)
-        bench = Bench(peers, limits, runs, file, progress)
+        bench = Bench(peers, without, limits, runs, file, progress)
         bench.record("header", **_header(peers, limits, runs))
-        chosen = [task for task in (read_folder(tasks) if tasks else generated(folder)) if match in task.name]
+        chosen = [task for task in (read_folder(tasks) if tasks else mixed(folder)) if match in task.name]
         if not chosen:
             raise click.UsageError(f"no tasks in {tasks}")
         try:

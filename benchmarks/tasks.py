@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from explicable.first_response.encoding import encode
-from explicable.first_response.generator import generate
-from explicable.pddl import format_domain, format_problem
+import generate
 
 # Those for which rates, and times of grounding, have targets; names as in the usual collection of tasks.
 RATE_TASKS = (
@@ -34,7 +32,7 @@ class BenchmarkTask:
 
 
 def read_folder(folder: Path) -> list[BenchmarkTask]:
-    """Find all problems `x.pddl` below `folder`, each beside `domain.pddl`, `domain_x.pddl` or `x-domain.pddl`."""
+    """Find all problems `x.pddl` below `folder`: beside `domain.pddl`, `domain_x.pddl` or `x-domain.pddl`."""
     tasks = []
     for problem in sorted(folder.rglob("*.pddl")):
         beside = problem.parent
@@ -49,58 +47,36 @@ def read_folder(folder: Path) -> list[BenchmarkTask]:
     return tasks
 
 
-def maps(folder: Path, seed: int = 0) -> list[BenchmarkTask]:
-    """Make first-response maps of growing size, as the joint problem that the robot plans for."""
-    import numpy as np
-
-    tasks = []
-    for size, marks in MAPS:
-        world = generate(np.random.default_rng(seed), height=size, width=size, num_marks=marks)
-        problem = encode(world).composite
-        texts = (format_domain(problem.domain), format_problem(problem))
-        tasks.append(_written(folder, f"map/{size}x{size}-{marks}", *texts))
-    return tasks
-
-
 def small(folder: Path) -> BenchmarkTask:
     """Make a task for which every planner should find a plan at once."""
-    return _gripper(folder, 2)
+    return _written(folder, "gripper/2", generate.gripper(2))
+
+
+def mixed(folder: Path) -> list[BenchmarkTask]:
+    """Make a mixed set for runs without a folder of tasks."""
+    tasks = {f"gripper/{n}": generate.gripper(n) for n in (10, 30)}
+    tasks |= {f"blocks/{n}": generate.blocks(n, seed=1) for n in (8, 15, 30)}
+    tasks |= {f"logistics/{n}": generate.logistics(n, 4, 3 * n, seed=1) for n in (3, 6, 10)}
+    tasks |= {_map_name(size, marks): generate.grid(size, size, marks) for size, marks in MAPS[:4]}
+    return [_written(folder, name, texts) for name, texts in tasks.items()]
 
 
 def growing(folder: Path) -> list[BenchmarkTask]:
     """Make tasks of growing size."""
-    return [*maps(folder), *(_gripper(folder, balls) for balls in (10, 30, 100, 300))]
+    tasks = {_map_name(size, marks): generate.grid(size, size, marks) for size, marks in MAPS}
+    tasks |= {f"gripper/{n}": generate.gripper(n) for n in (10, 40, 160, 640)}
+    tasks |= {f"logistics/{n}": generate.logistics(n, 5, 5 * n, seed=1) for n in (2, 5, 10, 20)}
+    return [_written(folder, name, texts) for name, texts in tasks.items()]
 
 
-def generated(folder: Path) -> list[BenchmarkTask]:
-    """Make a mixed set for runs without a folder."""
-    return [*maps(folder)[:4], *(_gripper(folder, balls) for balls in (4, 10, 20))]
+def _map_name(size: int, marks: int) -> str:
+    return f"map/{size}x{size}-{marks}"
 
 
-GRIPPER = """(define (domain gripper) (:requirements :strips :typing) (:types room ball gripper)
-(:predicates (at-robby ?r - room) (at ?b - ball ?r - room) (free ?g - gripper) (carry ?b - ball ?g - gripper))
-(:action move :parameters (?from ?to - room) :precondition (at-robby ?from)
-  :effect (and (at-robby ?to) (not (at-robby ?from))))
-(:action pick :parameters (?b - ball ?r - room ?g - gripper)
-  :precondition (and (at ?b ?r) (at-robby ?r) (free ?g))
-  :effect (and (carry ?b ?g) (not (at ?b ?r)) (not (free ?g))))
-(:action drop :parameters (?b - ball ?r - room ?g - gripper) :precondition (and (carry ?b ?g) (at-robby ?r))
-  :effect (and (at ?b ?r) (free ?g) (not (carry ?b ?g)))))
-"""
-
-
-def _gripper(folder: Path, num_balls: int) -> BenchmarkTask:
-    balls = [f"ball{i}" for i in range(num_balls)]
-    here, there = (" ".join(f"(at {ball} {room})" for ball in balls) for room in ("a", "b"))
-    text = f"""(define (problem gripper-{num_balls}) (:domain gripper)
-(:objects a b - room left right - gripper {" ".join(balls)} - ball)
-(:init (at-robby a) (free left) (free right) {here}) (:goal (and {there})))"""
-    return _written(folder, f"gripper/{num_balls}", GRIPPER, text)
-
-
-def _written(folder: Path, name: str, domain: str, problem: str) -> BenchmarkTask:
+def _written(folder: Path, name: str, texts: tuple[str, str]) -> BenchmarkTask:
     place = folder / name
     place.mkdir(parents=True, exist_ok=True)
-    (place / "domain.pddl").write_text(domain)
-    (place / "problem.pddl").write_text(problem)
-    return BenchmarkTask(name, place / "domain.pddl", place / "problem.pddl")
+    paths = place / "domain.pddl", place / "problem.pddl"
+    for path, text in zip(paths, texts, strict=True):
+        path.write_text(text)
+    return BenchmarkTask(name, *paths)
