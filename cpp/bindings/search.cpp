@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "bindings/bindings.hpp"
+#include "bindings/callback_scorer.hpp"
 #include "bindings/core_task.hpp"
 #include "search/counting_scorer.hpp"
 #include "search/heuristics.hpp"
@@ -57,11 +58,13 @@ Closing closing_of(const std::string& name) {
     throw std::invalid_argument("unknown way of closing nodes: " + name);
 }
 
-void check_scorer(const Task& task, const PathScorer* scorer) {
+void check_scorer(const CoreTask& task, const PathScorer* scorer) {
     const auto* counting = dynamic_cast<const CountingScorer*>(scorer);
     if (counting && counting->num_operators() != static_cast<std::size_t>(task.num_operators())) {
         throw std::invalid_argument("the scorer belongs to another task");
     }
+    const auto* callback = dynamic_cast<const CallbackScorer*>(scorer);
+    if (callback && &callback->task() != &task) throw std::invalid_argument("the scorer belongs to another task");
 }
 
 // Asks for pending signals (Ctrl-C); a search that they end still hands over what it has.
@@ -151,6 +154,8 @@ void bind_search(nb::module_& module) {
     nb::class_<PathScorer>(module, "PathScorer", "Scores the steps of a path and a relaxed plan in labelled search.");
     nb::class_<CountingScorer, PathScorer>(module, "CountingScorer", "Each operator counts with a fixed weight.")
         .def(nb::init<std::vector<double>>(), "weights"_a);
+    nb::class_<CallbackScorer, PathScorer>(module, "CallbackScorer", "Asks a Python object.")
+        .def(nb::init<const CoreTask&, nb::object>(), "task"_a, "callbacks"_a, nb::keep_alive<1, 2>());
     nb::class_<SearchAnswer>(module, "SearchAnswer", "What a search found out.")
         .def_prop_ro("outcome", &outcome_name)
         .def_prop_ro("stop", [](const SearchAnswer& answer) { return std::string(name_of(answer.stop)); })

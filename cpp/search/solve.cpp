@@ -63,7 +63,7 @@ private:
         if (options_.labelled.scorer) return lazy();
         auto width = [this] { return std::make_unique<WidthSearch>(question_, options_.seed); };
         return std::make_unique<Portfolio>(
-            std::vector<Portfolio::Member>{{[this] { return lazy(); }, 2'000, 2}, {width, 10'000, 2}});
+            std::vector<Portfolio::Member>{{[this] { return lazy(); }, 3'000, 2}, {width, 10'000, 2}});
     }
     std::unique_ptr<Engine> astar() const {
         BestFirstOptions best_first;

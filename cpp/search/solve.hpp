@@ -14,7 +14,7 @@ namespace explicable {
 struct SearchOptions {
     std::string algorithm = "default";
     std::string heuristic;  // of "astar": lmcut (default), hmax, blind
-    Preferred preferred = Preferred::relaxed_plan;
+    Preferred preferred = Preferred::helpful;
     double weight = 1.0;  // of h, in "wastar"
     std::uint64_t seed = 0;
     LabelledOptions labelled;

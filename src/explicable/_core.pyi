@@ -81,6 +81,16 @@ class CountingScorer(PathScorer):
 
     def __init__(self, weights: Sequence[float]) -> None: ...
 
+class CallbackScorer(PathScorer):
+    """Asks a Python object with these methods; a context is any value, states are packed.
+
+    ``root(state) -> context``; ``extend(context, operator, before, after) -> context``;
+    ``score(context, state, relaxed_plan) -> (num_inexplicable, variance, num_steps)``;
+    ``closing_key(context) -> int``. It keeps all contexts while it lives: make a new one for each search.
+    """
+
+    def __init__(self, task: Task, callbacks: object) -> None: ...
+
 class SearchAnswer:
     """What a search found out."""
 

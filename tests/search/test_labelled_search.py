@@ -70,6 +70,51 @@ def test_anytime_search_finds_the_least_objective(distance, tiny, data, alpha):
         assert result.objective <= best + 1e-9
 
 
+class Counting:
+    """What CountingScorer does, in Python."""
+
+    def __init__(self, weights):
+        self.weights = weights
+
+    def root(self, state):
+        assert isinstance(state, bytes)
+        return ()
+
+    def extend(self, context, step, before, after):
+        assert isinstance(before, bytes)
+        assert len(before) == len(after)
+        return (*context, step)
+
+    def score(self, context, state, relaxed_plan):  # noqa: ARG002
+        steps = (*context, *relaxed_plan)
+        return sum(self.weights[step] for step in steps), 0.0, len(steps)
+
+    def closing_key(self, context):  # noqa: ARG002
+        return 0
+
+
+@settings(max_examples=50)
+@given(
+    tiny_tasks(), st.data(), st.sampled_from(["ff", "lazy", "eager"]), st.sampled_from(["state", "context"])
+)
+def test_a_python_scorer_is_as_good_as_a_compiled_one(tiny, data, algorithm, closing):
+    task, weights = grounded(tiny, data)
+    compiled = search(task, algorithm, scorer=_core.CountingScorer(weights), closing=closing)
+    asked = _core.CallbackScorer(task.core, Counting(weights))
+    assert search(task, algorithm, scorer=asked, closing=closing).operators == compiled.operators
+
+
+def test_errors_of_a_python_scorer_come_through():
+    task = ground(TinyTask(1, (), frozenset(), frozenset()).problem())
+
+    class Broken(Counting):
+        def root(self, state):  # noqa: ARG002
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        search(task, "lazy", scorer=_core.CallbackScorer(task.core, Broken([])))
+
+
 @settings(max_examples=50)
 @given(tiny_tasks(), st.data())
 def test_zero_costs_do_not_keep_a_ratio_from_ending(tiny, data):

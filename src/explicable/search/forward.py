@@ -56,13 +56,13 @@ def search(
             A* with ``weight`` on the heuristic.
         ``"anytime"``
             A first plan by ``"default"``, then restarting weighted A* [5]_ in turns with A*, until the best
-            plan is proved optimal or a limit is reached. With a scorer: minimises cost + alpha * dist (Eq. 3).
+            plan is proved optimal or a limit is reached. With a scorer, by cost + alpha * dist (Eq. 3).
         Where to start and what to reach, if not what the task says; the goal as facts or atoms.
     heuristic
         For ``"astar"`` (``"lmcut"``, ``"hmax"``, ``"blind"``) and ``"wastar"`` (``"ff"`` as well).
     preferred
-        Which operators the second queue holds: those of the relaxed plan (default of ``"lazy"``), all helpful
-        actions, or none (default of ``"eager"``).
+        Which operators the second queue holds: all helpful actions (default of ``"lazy"``), those that are in
+        the relaxed plan, or none (default of ``"eager"``).
     weight
         Of the heuristic in ``"wastar"``, at least 1.
     seed
@@ -122,7 +122,7 @@ def search(
             goal_facts,
             algorithm=algorithm,
             heuristic=heuristic or "",
-            preferred=preferred or ("none" if algorithm == "eager" else "relaxed plan"),
+            preferred=preferred or ("none" if algorithm == "eager" else "helpful"),
             weight=weight,
             seed=seed,
             scorer=scorer,
