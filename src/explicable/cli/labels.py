@@ -20,7 +20,7 @@ trace_files = click.argument("files", metavar="TRACES...", nargs=-1, required=Tr
 @trace_files
 @click.option("-o", "--output", type=OUTPUT_FILE, required=True, help="Write the labeller to this file.")
 @click.option("--c1", type=click.FloatRange(min=0), default=0.0, show_default=True, help="L1 penalty.")
-@click.option("--c2", type=click.FloatRange(min=0), default=0.3, show_default=True, help="L2 penalty.")
+@click.option("--c2", type=click.FloatRange(min=0), default=1.0, show_default=True, help="L2 penalty.")
 @click.option(
     "--bootstrap",
     type=click.IntRange(min=0),
