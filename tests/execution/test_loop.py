@@ -154,7 +154,7 @@ def test_any_run_ends_and_every_step_is_legal(seed, robot, failing, readiness, s
 
 
 @pytest.mark.slow
-@settings(max_examples=2000, deadline=None)
+@settings(max_examples=1000, deadline=None)
 @disturbances
 def test_many_disturbed_runs_end_by_legal_steps(seed, robot, failing, readiness, semantics):
     play_disturbed(seed, robot, failing, readiness, semantics)
