@@ -84,8 +84,8 @@ TABLE: Mapping[tuple[State, Event], Transition] = MappingProxyType(
         (State.DECIDING, Event.ANSWER_GIVEN): (State.DECIDING, (Command.RECORD_ANSWER,)),
         (State.DECIDING, Event.TIME_UP): (State.FAILED, ()),
         (State.DECIDING, Event.ABORT): (State.ABORTED, ()),
-        # The robot is about a step; what the person does meanwhile counts once it is done. A failed step alone
-        # teaches nothing that a planner could use: the plan stands until a fact or a person breaks it.
+        # The robot is about a step; what the person does meanwhile counts once it is done. A failed step
+        # alone teaches nothing that a planner could use: the plan stands until a fact or a person breaks it.
         (State.ACTING, Event.STEP_FINISHED): (State.DECIDING, (Command.TAKE_ROBOT_STEP, Command.ASK_PERSON)),
         (State.ACTING, Event.STEP_FAILED): (State.DECIDING, ()),
         (State.ACTING, Event.PERSON_ACTED): (State.ACTING, (Command.KEEP_PERSON_STEP,)),
