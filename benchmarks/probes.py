@@ -67,7 +67,7 @@ def rate(domain: Path, problem: Path, seconds: str) -> dict:
 
 
 def labelled(_domain: Path, _problem: Path, size: str, marks: str, with_scorer: str) -> dict:
-    """Eager greedy search on a map, plain or with a labeller that scores each node's path and relaxed plan."""
+    """Eager greedy search on a map, plain or with a labeller that scores the path and relaxed plan."""
     import numpy as np
 
     from explicable.execution.episodes import simulate_study
