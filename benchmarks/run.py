@@ -10,7 +10,7 @@ import platform
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -100,7 +100,8 @@ def run_experiment(bench: Bench, experiment: str, tasks: list[BenchmarkTask], fo
         case "labelled":
             bench.take_turns(experiment, bench.peers.labelled(), [None])
         case "crf":
-            bench.take_turns(experiment, bench.peers.trainers(), [None])
+            patient = replace(bench, limits=replace(bench.limits, cpu_s=1200))
+            patient.take_turns(experiment, bench.peers.trainers(), [None])
 
 
 def _named(names: tuple[str, ...], tasks: list[BenchmarkTask]) -> list[BenchmarkTask]:
