@@ -114,6 +114,14 @@ void bind_scorer(nb::module_& module) {
     nb::class_<BoundScorer, PathScorer>(module, "Scorer", "A labeller compiled for one team task.")
         .def(nb::new_(&make_scorer), "task"_a, "tables"_a, "weights"_a, "transitions"_a, "expected"_a,
              nb::keep_alive<0, 1>())
+        .def("starting_at",
+             [](const BoundScorer& scorer, const nb::bytes& context) {
+                 const auto* const bytes = check_context(scorer, context);
+                 auto moved = std::make_unique<BoundScorer>(scorer);
+                 moved->start_at({bytes, context.size()});
+                 return moved;
+             },
+             "context"_a, nb::keep_alive<0, 1>())
         .def("root",
              [](const BoundScorer& scorer, const nb::bytes& state) {
                  std::vector<std::byte> context(scorer.context_size());

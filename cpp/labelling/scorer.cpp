@@ -132,8 +132,7 @@ std::size_t Scorer::context_size() const { return sizeof(Context); }
 
 void Scorer::root(const State&, std::byte* context) const {
     static_assert(std::is_trivially_copyable_v<Context>);
-    const Context fresh;
-    std::memcpy(context, &fresh, sizeof fresh);
+    std::memcpy(context, &start_, sizeof start_);
 }
 
 void Scorer::extend(const std::byte* parent, OperatorId step, const State& before, const State& after,
@@ -212,6 +211,8 @@ bool Scorer::is_sound(std::span<const std::byte> bytes) const {
            std::ranges::all_of(situation.robot_steps, is_step) && situation.neighbour >= 0 &&
            situation.neighbour < kNumNeighbours;
 }
+
+void Scorer::start_at(std::span<const std::byte> context) { std::memcpy(&start_, context.data(), sizeof start_); }
 
 // Makes the features of the last step final, now that the next is known, and takes in the next.
 void Scorer::advance(Context& context, OperatorId step, const OpenGoals& goals) const {

@@ -87,6 +87,8 @@ public:
 
     // Whether bytes from outside can be a context of this scorer.
     bool is_sound(std::span<const std::byte> context) const;
+    // Makes every path begin with the steps that led to a (sound) context.
+    void start_at(std::span<const std::byte> context);
 
 private:
     // The labels of the steps whose features are final. Of two labels only the difference counts.
@@ -117,6 +119,7 @@ private:
         return step < 0 ? num_schemas_ : static_cast<std::size_t>(tables_->schema[step]);
     }
 
+    Context start_;
     const Task& task_;
     std::shared_ptr<const TeamTables> tables_;
     // Weights, those that are always added together summed up beforehand; the index begins with the schema.

@@ -11,8 +11,8 @@
 
 namespace explicable {
 
-using Distance = std::uint16_t;
-inline constexpr Distance kNoWay = 0xFFFF;
+using Distance = std::int16_t;
+inline constexpr Distance kNoWay = 0x7FFF;  // all bits set: or'ing it makes any distance infinite
 inline constexpr int kMaxTourGoals = 10;  // with more open goals than this no best order is looked for
 
 inline constexpr std::size_t kMaxArguments = 8;  // further arguments are not compared

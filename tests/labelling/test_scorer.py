@@ -91,6 +91,18 @@ def test_equal_closing_keys_score_every_continuation_alike(team, expected):
     assert num_merged > 0
 
 
+def test_history_is_the_beginning_of_every_path(team):
+    rng = np.random.default_rng(3)
+    labeller = random_labeller(team, rng)
+    operators, states = walk(team.task, rng, 8)
+    whole = labeller.scorer(team)
+    later = labeller.scorer(team, history=[team.task.action(operator) for operator in operators[:5]])
+    context = extend_all(later, operators[5:], states[5:])
+    assert later.score(context, states[-1], [0]) == whole.score(
+        extend_all(whole, operators, states), states[-1], [0]
+    )
+
+
 def test_numbers_from_outside_never_reach_the_tables(team):
     labeller = random_labeller(team, np.random.default_rng(0))
     scorer = labeller.scorer(team)

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -233,7 +234,9 @@ class Labeller:
             distribution=mix(distributions),
         )
 
-    def scorer(self, team: TeamTask | TeamFeatures, *, expected: bool = True) -> _core.Scorer:
+    def scorer(
+        self, team: TeamTask | TeamFeatures, *, expected: bool = True, history: Sequence[GroundAtom] = ()
+    ) -> _core.Scorer:
         """Compile the labeller for a search over a team task.
 
         Parameters
@@ -242,9 +245,13 @@ class Labeller:
             The task, or its `TeamFeatures`.
         expected
             Whether to count inexplicable steps by their probability; otherwise by the most probable labels.
+        history
+            Steps already done, from the task's initial state: every path that is scored begins with them.
 
         Raises
         ------
+        PlanError
+            If a step of the history is not applicable.
         LabellerError
             If the labeller knows none of the task's action schemas.
         """
@@ -256,9 +263,16 @@ class Labeller:
             if code is not None:
                 weights.append((*code, -weight))
         transitions = self.model.transition_weights_
-        return _core.Scorer(
+        scorer = _core.Scorer(
             features.task.core, features.tables, weights, transitions.tolist(), expected=expected
         )
+        if not history:
+            return scorer
+        execution = features.task.execute(history)
+        context = scorer.root(execution.states[0])
+        for operator, (before, after) in zip(execution.operators, pairwise(execution.states), strict=True):
+            context = scorer.extend(context, operator, before, after)
+        return scorer.starting_at(context)
 
     def explain(self, plan: LabelledPlan, num_features: int = 5) -> list[list[tuple[str, float]]]:
         """Tell what moved the label of each step most.
