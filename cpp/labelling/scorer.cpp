@@ -31,7 +31,10 @@ std::uint64_t combine(std::uint64_t key, std::uint64_t value) {  // splitmix64 o
     return key ^ (key >> 31);
 }
 
-std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value == 0 ? 0.0 : value); }
+// To a millionth: the chain forgets, and what two paths once differed in need not keep them apart for ever.
+std::uint64_t rounded(double value) {
+    return std::bit_cast<std::uint64_t>(std::isfinite(value) ? std::round(value * 0x1p20) + 0.0 : value);
+}
 
 }  // namespace
 
@@ -193,9 +196,9 @@ std::uint64_t Scorer::closing_key(const std::byte* node) const {
     for (std::int32_t i = 0; i < situation.num_open; ++i) add(situation.open[i]);
     for (std::size_t i = 0; i < (uses_returns_ ? kRecentSteps - 1 : 1); ++i) add(situation.robot_steps[i]);
     add(situation.neighbour);
-    key = combine(key, bits(pending));
-    key = combine(key, bits(chain.odds));
-    return combine(key, bits(chain.count[1] - chain.count[0]));
+    key = combine(key, rounded(pending));
+    key = combine(key, rounded(chain.odds));
+    return combine(key, rounded(chain.count[1] - chain.count[0]));
 }
 
 bool Scorer::is_sound(std::span<const std::byte> bytes) const {

@@ -87,7 +87,7 @@ def test_equal_closing_keys_score_every_continuation_alike(team, expected):
                 tail = rng.integers(team.task.num_operators, size=rng.integers(6)).tolist()
                 first, second = (scorer.score(context, state, tail)[0] for context in (contexts[0], other))
                 differences.append(second - first)
-            assert np.ptp(differences) < 1e-9
+            assert np.ptp(differences) < 1e-4  # keys are rounded to about a millionth
     assert num_merged > 0
 
 
