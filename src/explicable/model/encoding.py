@@ -23,8 +23,8 @@ from explicable.model.problem import (
     Or,
     Parameter,
     Problem,
+    supertypes,
 )
-from explicable.model.team import supertypes
 
 _ATOM, _EQUALITY, _NOT, _AND, _OR, _EXISTS, _FORALL = range(7)
 _TOTAL_COST = "total-cost"

@@ -18,8 +18,8 @@ from explicable.model.problem import (
     Or,
     Parameter,
     Problem,
+    supertypes,
 )
-from explicable.model.team import supertypes
 
 Binding = Mapping[str, str]
 

@@ -4,7 +4,7 @@ Everything here is a frozen value. Names are lower case. A term is a string: a v
 anything else names an object. A ground atom is a plain tuple ``(predicate, object, ...)``.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 GroundAtom = tuple[str, ...]
@@ -177,3 +177,16 @@ def ancestors(types: Mapping[str, tuple[str, ...]]) -> dict[str, frozenset[str]]
                 pending.extend(types[parent])
         found[name] = frozenset(above)
     return found
+
+
+def supertypes(domain: Domain, types: Iterable[str]) -> frozenset[str]:
+    """Give all types that an object of the given types has, ``object`` included.
+
+    Examples
+    --------
+    >>> domain = Domain("d", frozenset(), {"truck": ("vehicle",), "vehicle": ("object",)}, {}, (), (), ())
+    >>> sorted(supertypes(domain, ["truck"]))
+    ['object', 'truck', 'vehicle']
+    """
+    above = ancestors(domain.types)
+    return frozenset({"object"}).union(*(above.get(name, frozenset({name})) for name in types))

@@ -6,7 +6,15 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from explicable.errors import PDDLError
-from explicable.model.problem import ActionSchema, Domain, Function, GroundAtom, Predicate, Problem
+from explicable.model.problem import (
+    ActionSchema,
+    Domain,
+    Function,
+    GroundAtom,
+    Predicate,
+    Problem,
+    supertypes,
+)
 
 if TYPE_CHECKING:
     from explicable.model.task import Task
@@ -87,18 +95,6 @@ class TeamTask:
     problem: TeamProblem
     task: "Task"
     mental: "Task"
-
-
-def supertypes(domain: Domain, types: Iterable[str]) -> frozenset[str]:
-    """All types that an object of the given types has, ``object`` included."""
-    found: set[str] = {"object"}
-    pending = list(types)
-    while pending:
-        name = pending.pop()
-        if name not in found:
-            found.add(name)
-            pending.extend(domain.types.get(name, ()))
-    return frozenset(found)
 
 
 def agent_kind(domain: Domain, types: Iterable[str]) -> Literal["robot", "human"] | None:
