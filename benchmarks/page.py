@@ -60,7 +60,7 @@ def _introduction(records: Records) -> str:
     )
     absent = records.of("absent").runs
     lines = [
-        f"- Could not be run ({run['task']}): {run['program']}: {run.get('why', run['outcome'])}."
+        f"- Could not be run ({run['task']}): {run['program']}: {run.get('why') or run['outcome']}."
         for run in absent
     ]
     return "\n".join([text, *lines, ""])

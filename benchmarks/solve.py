@@ -49,20 +49,21 @@ def _outcome(program: Program, cwd: Path, costs: dict[str, Cost], peers: Peers, 
     complete = len(costs) == len(program.stages)
     found = complete and program.plan and (cwd / program.plan).is_file()
     figures = program.read(costs) if program.read and complete else {}
-    if found:
-        judged = validate(peers, cwd, program.plan)
-        return figures | judged | {"outcome": "solved" if judged["valid"] else "invalid"}
-    if figures and not program.plan:
-        return figures | {"outcome": "solved"}
-    if sum(cost.cpu_s for cost in costs.values()) >= 0.97 * limits.cpu_s:
+    used_s = sum(cost.cpu_s for cost in costs.values())
+    judged = validate(peers, cwd, program.plan, limits.core) if found and used_s <= limits.cpu_s else {}
+    if judged.get("valid") or (figures and not program.plan):
+        return figures | judged | {"outcome": "solved"}
+    if used_s >= 0.97 * limits.cpu_s:  # what a program leaves behind when it is stopped is no plan
         return {"outcome": "limit"}
+    if judged:
+        return judged | {"outcome": "invalid"}
     return {"outcome": "failed", "why": _why(last)}
 
 
-def validate(peers: Peers, cwd: Path, plan: str) -> dict:
+def validate(peers: Peers, cwd: Path, plan: str, core: int) -> dict:
     """Ask the independent validator about a plan file."""
     command = [peers.python, str(HERE / "validate.py"), "domain.pddl", "problem.pddl", plan]
-    judged = measure(command, cwd=cwd, limits=Limits(core=0, cpu_s=300))
+    judged = measure(command, cwd=cwd, limits=Limits(core, cpu_s=300))
     if judged.exit_code != 0:
         return {"valid": False, "why": f"the validator failed, {_why(judged)}"}
     return json.loads(judged.stdout.splitlines()[-1])
