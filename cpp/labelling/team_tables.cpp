@@ -150,6 +150,15 @@ std::vector<std::uint8_t> human_operators(const Task& task, const std::vector<st
     return flags;
 }
 
+template <std::size_t count>
+std::uint64_t compare(const std::int32_t* mine, const std::int32_t* theirs) {
+    std::uint64_t equal = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t j = 0; j < count; ++j)
+            equal |= std::uint64_t{mine[i] == theirs[j] && mine[i] >= 0} << (i * kMaxArguments + j);
+    return equal;
+}
+
 Progress judge(Distance before, Distance after) {
     if (before == kNoWay) return after == kNoWay ? Progress::kUnconcerned : Progress::kNearer;
     if (after == kNoWay) return Progress::kNoWay;
@@ -232,13 +241,15 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
     schema = composite.operator_schema;
     deletes_ = composite.deletes;
     is_human = human_operators(composite, human_objects);
-    arguments.assign(static_cast<std::size_t>(num_operators) * max_arity, -1);
+    if (max_arity > compared_) compared_ = kMaxArguments;
+    arguments_.assign(static_cast<std::size_t>(num_operators) * compared_, -1);
 
     const MentalIndex mental_operators(mental.operator_schema, mental.operator_arguments);
     std::vector<std::int32_t> translated;
     for (OperatorId op = 0; op < num_operators; ++op) {
         const auto objects = composite.operator_arguments[op];
-        std::ranges::copy(objects, arguments.begin() + static_cast<std::ptrdiff_t>(op) * max_arity);
+        std::ranges::copy(objects.first(std::min(objects.size(), compared_)),
+                          arguments_.begin() + static_cast<std::ptrdiff_t>(op) * static_cast<std::ptrdiff_t>(compared_));
         const auto head = schema[op] < 0 ? -1 : names.schema[schema[op]];
         in_mental.push_back(head >= 0 && translate(objects, names.object, translated) &&
                             mental_operators.find(head, translated) >= 0);
@@ -351,12 +362,13 @@ void TeamTables::measure_requests(const Measure& measure) {
 }
 
 void TeamTables::measure_goals(const Measure& measure) {
-    const auto width = goals.size();
+    const auto count = goals.size(), width = (count + kLanes - 1) / kLanes * kLanes;
+    width_ = width;
     const auto num_facts = static_cast<std::size_t>(measure.composite.num_facts());
     if (width > 0 && num_facts > kMaxEntries / (2 * width)) throw std::length_error("too many facts times goals");
-    std::vector<Distance> all(2 * width * num_facts);  // fact x model x goal
+    std::vector<Distance> all(2 * width * num_facts, kNoWay);  // fact x model x goal
     std::vector<bool> leads_somewhere(num_facts);
-    for (std::size_t goal = 0; goal < width; ++goal) {
+    for (std::size_t goal = 0; goal < count; ++goal) {
         const auto distance = measure.to_goal(goals[goal]);
         for (std::size_t fact = 0; fact < num_facts; ++fact) {
             for (std::size_t model = 0; model < 2; ++model) {
@@ -409,11 +421,11 @@ void TeamTables::find_tours(const Task& task, const std::vector<Distance>& dista
             for (std::size_t other = 0; other < count; ++other)
                 for (const auto fact : after) {
                     auto& steps = between[goal * count + other];
-                    steps = std::min<int>(steps, distances[2 * fact * count + other]);
+                    steps = std::min<int>(steps, distances[2 * static_cast<std::size_t>(fact) * width_ + other]);
                 }
     }
     std::ranges::replace(between, static_cast<int>(kNoWay), 0);
-    tours_.assign(count << count, 0);
+    tours_.assign(width_ << count, 0);
     for (std::size_t open = 1; open < std::size_t{1} << count; ++open) {
         for (std::size_t first = 0; first < count; ++first) {
             const std::size_t others = open & ~(std::size_t{1} << first);
@@ -421,8 +433,8 @@ void TeamTables::find_tours(const Task& task, const std::vector<Distance>& dista
             int best = kNoWay - 1;
             for (std::size_t next = 0; next < count; ++next)
                 if (others >> next & 1)
-                    best = std::min(best, between[first * count + next] + tours_[others * count + next]);
-            tours_[open * count + first] = static_cast<Distance>(best);
+                    best = std::min(best, between[first * count + next] + tours_[others * width_ + next]);
+            tours_[open * width_ + first] = static_cast<Distance>(best);
         }
     }
 }
@@ -431,30 +443,31 @@ GoalProgress TeamTables::toward_goals(OperatorId step, const OpenGoals& open) co
     if (open.num_open() == 0) return {Progress::kNoTarget, Progress::kNoTarget, Progress::kNoTarget};
     for (const auto goal : achieves[step])
         if (open.is_open(goal)) return {Progress::kDone, Progress::kDone, Progress::kDone};
-    const auto count = goals.size();
     const Distance* const closed = open.closed();
-    const auto nearest = [closed, count](const Distance* distance) {
+    const auto nearest = [closed, width = width_](const Distance* distance) {
         Distance least = kNoWay;
-        for (std::size_t goal = 0; goal < count; ++goal)
-            least = std::min(least, static_cast<Distance>(distance[goal] | closed[goal]));
+        for (std::size_t goal = 0; goal < width; goal += kLanes)
+            for (std::size_t lane = goal; lane < goal + kLanes; ++lane)
+                least = std::min(least, static_cast<Distance>(distance[lane] | closed[lane]));
         return least;
     };
     const auto* const from = row(from_[step], Model::kMental);
     const auto* const to = row(to_[step], Model::kMental);
     GoalProgress progress{};
     progress.mental = judge(nearest(from), nearest(to));
-    progress.own = judge(nearest(from + count), nearest(to + count));
-    if (count > kMaxTourGoals) {
+    progress.own = judge(nearest(from + width_), nearest(to + width_));
+    if (goals.size() > kMaxTourGoals) {
         progress.mission = progress.mental;
         return progress;
     }
-    const Distance* const tours = tours_.data() + open.bits() * count;
-    const auto finish = [&](const Distance* distance) {
+    const Distance* const tours = tours_.data() + open.bits() * width_;
+    const auto finish = [closed, tours, width = width_](const Distance* distance) {
         int least = kNoWay;
-        for (std::size_t goal = 0; goal < count; ++goal) {
-            const int here = distance[goal] | closed[goal];
-            least = std::min(least, here == kNoWay ? kNoWay : std::min(here + tours[goal], kNoWay - 1));
-        }
+        for (std::size_t goal = 0; goal < width; goal += kLanes)
+            for (std::size_t lane = goal; lane < goal + kLanes; ++lane) {
+                const int here = distance[lane] | closed[lane];
+                least = std::min(least, here == kNoWay ? kNoWay : std::min(here + tours[lane], kNoWay - 1));
+            }
         return static_cast<Distance>(least);
     };
     progress.mission = judge(finish(from), finish(to));
@@ -467,14 +480,9 @@ bool TeamTables::takes_back(OperatorId step, OperatorId earlier) const {
 }
 
 std::uint64_t TeamTables::equal_arguments(OperatorId step, OperatorId other) const {
-    const auto* const mine = arguments.data() + static_cast<std::size_t>(step) * max_arity;
-    const auto* const theirs = arguments.data() + static_cast<std::size_t>(other) * max_arity;
-    const auto count = std::min(max_arity, kMaxArguments);
-    std::uint64_t equal = 0;
-    for (std::size_t i = 0; i < count && mine[i] >= 0; ++i)
-        for (std::size_t j = 0; j < count; ++j)
-            equal |= std::uint64_t{mine[i] == theirs[j]} << (i * kMaxArguments + j);
-    return equal;
+    const auto* const mine = arguments_.data() + static_cast<std::size_t>(step) * compared_;
+    const auto* const theirs = arguments_.data() + static_cast<std::size_t>(other) * compared_;
+    return compared_ == 4 ? compare<4>(mine, theirs) : compare<kMaxArguments>(mine, theirs);
 }
 
 }  // namespace explicable

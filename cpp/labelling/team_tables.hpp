@@ -43,7 +43,7 @@ struct MentalNames {
 class OpenGoals {
 public:
     explicit OpenGoals(std::size_t num_goals) : count_(num_goals), num_open_(num_goals) {
-        if (num_goals > few_.size()) many_.resize(num_goals);
+        if (num_goals > few_.size()) many_.resize(num_goals + 8);  // read in lanes
         if (num_goals <= kMaxTourGoals) bits_ = (std::uint32_t{1} << num_goals) - 1;
     }
     OpenGoals(const OpenGoals&) = delete;
@@ -110,7 +110,6 @@ public:
     std::vector<std::uint8_t> in_mental;  // the mental task has it
     int num_schemas = 0;
     std::size_t max_arity = 0;
-    std::vector<std::int32_t> arguments;  // max_arity an operator, -1 where it has fewer
     std::vector<FactId> request_facts;    // the fact that a request adds
     std::vector<std::int32_t> asks_for;   // request of a human operator, or -1
     Table<std::int32_t> fulfils;          // requests that a robot's operator fulfils
@@ -125,10 +124,16 @@ private:
     void find_tours(const Task& task, const std::vector<Distance>& distances);
 
     const Distance* row(std::int32_t place, Model model) const {
-        return distances_.data() + (2 * static_cast<std::size_t>(place) + static_cast<std::size_t>(model)) * goals.size();
+        return distances_.data() + (2 * static_cast<std::size_t>(place) + static_cast<std::size_t>(model)) * width_;
     }
 
     std::vector<std::uint8_t> toward_request_;  // operator x request: both kinds of progress
+    // The arguments that are compared: four or kMaxArguments an operator, -1 where it has fewer.
+    std::vector<std::int32_t> arguments_;
+    std::size_t compared_ = 4;
+    // Goals are padded to a multiple of kLanes, by goals to which there is no way.
+    static constexpr std::size_t kLanes = 8;
+    std::size_t width_ = 0;
     // A place is a set of facts, as far from a goal as the nearest of them. A step leads from a place to a place.
     std::vector<std::int32_t> from_, to_;
     std::vector<Distance> distances_;  // place x model x goal
