@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "search/successors.hpp"
@@ -56,8 +57,8 @@ public:
     template <class Memory>
     bool may_go_on(const Memory& memory) {
         if (evaluations >= limits_.evaluations) stop_ = Stop::evaluations;
-        if ((++steps_ & 31) == 0) look_at_the_clock();
-        if ((steps_ & 255) == 0 && memory() > limits_.memory_bytes) stop_ = Stop::memory;
+        look_at_the_clock();
+        if ((++steps_ & 255) == 0 && memory() > limits_.memory_bytes) stop_ = Stop::memory;
         return stop_ == Stop::none;
     }
     void out_of_memory() { stop_ = Stop::memory; }

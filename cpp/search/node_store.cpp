@@ -34,32 +34,37 @@ NodeId NodeStore::add_root(const State& state, const std::byte* context) {
     after_ = state;
     if (scorer_ && context) std::memcpy(context_.data(), context, scorer_->context_size());
     if (scorer_ && !context) scorer_->root(state, context_.data());
-    return insert(0, -1, -1).node;
+    if (by_context()) return insert_by_context(0, -1, -1).node;
+    registry_.insert(words_.data());
+    return append(0, -1, -1);
 }
 
 NodeStore::Arrival NodeStore::add(NodeId parent, OperatorId step) {
-    const Word* from = words(parent);
-    apply(task_, packer_, step, from, words_.data());
-    if (scorer_) {
-        unpack(from, before_);
-        unpack(words_.data(), after_);
-        scorer_->extend(contexts_.row(parent), step, before_, after_, context_.data());
-    }
-    return insert(nodes_.row(parent)->cost + task_.cost[step], parent, step);
-}
-
-// Files what words_, and in labelled search context_ and after_, describe.
-NodeStore::Arrival NodeStore::insert(std::int64_t cost, NodeId parent, OperatorId step) {
     if (nodes_.size() >= static_cast<std::size_t>(std::numeric_limits<NodeId>::max())) throw std::bad_alloc();
-    if (by_context()) words_[packer_.num_words()] = scorer_->closing_key(context_.data());
-    const auto [number, is_new] = registry_.insert(words_.data());
-    if (by_context()) return insert_rival(number, is_new, cost, parent, step);
-    if (is_new) append(cost, parent, step);
-    return {number, is_new, !is_new && cost < nodes_.row(number)->cost};
+    apply(task_, packer_, step, words(parent), words_.data());
+    const std::int64_t cost = nodes_.row(parent)->cost + task_.cost[step];
+    if (by_context()) {
+        extend(parent, step, words_.data());
+        return insert_by_context(cost, parent, step);
+    }
+    const auto [node, is_new] = registry_.insert(words_.data());
+    if (!is_new) return {node, false, cost < nodes_.row(node)->cost};
+    if (scorer_) extend(parent, step, words_.data());
+    return {append(cost, parent, step), true, false};
 }
 
-NodeStore::Arrival NodeStore::insert_rival(StateId state, bool is_new, std::int64_t cost, NodeId parent,
-                                           OperatorId step) {
+// Sets context_ and after_ to what `step` from `parent` to the state `to` makes of them.
+void NodeStore::extend(NodeId parent, OperatorId step, const Word* to) {
+    if (parent != parent_before_) unpack(words(parent), before_);
+    parent_before_ = parent;
+    unpack(to, after_);
+    scorer_->extend(contexts_.row(parent), step, before_, after_, context_.data());
+}
+
+// Files what words_, context_ and after_ describe.
+NodeStore::Arrival NodeStore::insert_by_context(std::int64_t cost, NodeId parent, OperatorId step) {
+    words_[packer_.num_words()] = scorer_->closing_key(context_.data());
+    const auto [state, is_new] = registry_.insert(words_.data());
     if (is_new) first_rival_.push_back(-1);
     const PathScore score = scorer_->score(context_.data(), after_, {});
     Rival rival{state, -1, score.num_inexplicable, score.num_steps, false};
@@ -92,7 +97,9 @@ NodeId NodeStore::append(std::int64_t cost, NodeId parent, OperatorId step) {
 
 void NodeStore::reparent(NodeId node, NodeId parent, OperatorId step) {
     *nodes_.row(node) = {nodes_.row(parent)->cost + task_.cost[step], parent, step};
-    if (scorer_) std::memcpy(contexts_.row(node), context_.data(), context_.size());
+    if (!scorer_) return;
+    extend(parent, step, words(node));
+    std::memcpy(contexts_.row(node), context_.data(), context_.size());
 }
 
 void NodeStore::unpack(const Word* words, State& state) const {

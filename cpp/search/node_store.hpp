@@ -77,6 +77,7 @@ private:
     std::vector<Word> words_;
     std::vector<std::byte> context_;
     State before_, after_;
+    NodeId parent_before_ = -1;  // whose state before_ is
 
     bool by_context() const { return closing_ != Closing::state; }
     bool dominates(const Rival& a, std::int64_t cost_a, const Rival& b, std::int64_t cost_b) const {
@@ -88,8 +89,8 @@ private:
     }
     void unpack(const Word* words, State& state) const;
     NodeId append(std::int64_t cost, NodeId parent, OperatorId step);
-    Arrival insert(std::int64_t cost, NodeId parent, OperatorId step);
-    Arrival insert_rival(StateId state, bool is_new, std::int64_t cost, NodeId parent, OperatorId step);
+    void extend(NodeId parent, OperatorId step, const Word* to);
+    Arrival insert_by_context(std::int64_t cost, NodeId parent, OperatorId step);
 };
 
 }  // namespace explicable

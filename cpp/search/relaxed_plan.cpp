@@ -7,6 +7,8 @@ namespace explicable {
 
 namespace {
 
+constexpr std::int32_t most_counted_cost = 1000;  // up to which counting beats comparing
+
 RelaxedTask merged(const Task& task, SupporterCost supporter_cost) {
     RelaxedTask relaxed(task, supporter_cost);
     relaxed.merge();
@@ -125,27 +127,38 @@ void RelaxedPlanner::extract_for(FactId goal) {
 }
 
 std::span<const OperatorId> RelaxedPlanner::ordered_plan() {
-    sort_keys_.clear();
-    for (std::size_t i = 0; i < supports_.size(); ++i) {
-        const std::int32_t cost = counters_[relaxed_.piece_of[supports_[i]]].cost;
-        sort_keys_.push_back(static_cast<std::uint64_t>(cost) << 32 | i);
-    }
-    std::sort(sort_keys_.begin(), sort_keys_.end());
+    sort_supports();
     sorted_.clear();
     std::size_t layer = 0;  // where the present cost begins in sorted_
-    std::uint64_t layer_cost = 0;
-    for (const std::uint64_t key : sort_keys_) {
-        if (key >> 32 != layer_cost) {
-            layer_cost = key >> 32;
+    std::int32_t layer_cost = 0;
+    for (const std::int32_t support : by_cost_) {
+        if (cost_of(support) != layer_cost) {
+            layer_cost = cost_of(support);
             layer = sorted_.size();
         }
-        const OperatorId id = relaxed_.owner[supports_[key & 0xffffffffU]];
+        const OperatorId id = relaxed_.owner[support];
         // Pieces of one operator at one cost are one execution of it.
         if (several_pieces_ && std::find(sorted_.begin() + layer, sorted_.end(), id) != sorted_.end()) continue;
         sorted_.push_back(id);
     }
     plan_.swap(sorted_);
     return plan_;
+}
+
+// Sets by_cost_ to supports_ in the order of their costs, stable, so that what is needed still comes first.
+void RelaxedPlanner::sort_supports() {
+    std::int32_t highest = 0;
+    for (const std::int32_t support : supports_) highest = std::max(highest, cost_of(support));
+    by_cost_ = supports_;
+    if (highest > most_counted_cost) {
+        std::stable_sort(by_cost_.begin(), by_cost_.end(),
+                         [this](std::int32_t a, std::int32_t b) { return cost_of(a) < cost_of(b); });
+        return;
+    }
+    places_.assign(highest + 2, 0);
+    for (const std::int32_t support : supports_) ++places_[cost_of(support) + 1];
+    for (std::int32_t cost = 0; cost <= highest; ++cost) places_[cost + 1] += places_[cost];
+    for (const std::int32_t support : supports_) by_cost_[places_[cost_of(support)]++] = support;
 }
 
 std::int64_t RelaxedPlanner::plan_cost() const {

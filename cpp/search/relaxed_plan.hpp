@@ -54,7 +54,7 @@ private:
     std::vector<std::uint32_t> fact_seen_, fact_first_, operator_seen_;  // round of the mark
     std::uint32_t round_ = 0;
     std::vector<Visit> stack_;
-    std::vector<std::uint64_t> sort_keys_;
+    std::vector<std::int32_t> by_cost_, places_;
     std::vector<OperatorId> sorted_;
     std::int32_t h_add_ = 0;
     bool several_pieces_;
@@ -70,9 +70,11 @@ private:
         const auto& adds = relaxed_.adds;
         for (std::int32_t i = adds.offsets[piece]; i < adds.offsets[piece + 1]; ++i) reach(adds.values[i], cost, i);
     }
+    std::int32_t cost_of(std::int32_t support) const { return counters_[relaxed_.piece_of[support]].cost; }
     bool explore(const State& state);
     void extract();
     void extract_for(FactId goal);
+    void sort_supports();
 };
 
 }  // namespace explicable

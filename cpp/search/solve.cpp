@@ -58,12 +58,15 @@ private:
         };
         return std::make_unique<Portfolio>(std::vector<Portfolio::Member>{{climb, 100'000, 0}, {best_first, no_slice, 1}});
     }
-    // Relaxed plans first, since they mostly lead straight to the goal; where they do not, novelty often does.
+    // Relaxed plans first, since they mostly lead straight to the goal; where they do not, on large grids say, novelty
+    // often does. A relaxed plan costs more the larger the task is, hardly so a look at novelty.
     std::unique_ptr<Engine> standard() const {
         if (options_.labelled.scorer) return lazy();
+        const std::int64_t size = question_.task.num_facts() + question_.task.num_operators();
+        const std::int64_t lazy_slice = std::clamp<std::int64_t>(20'000'000 / (size + 1), 500, 3'000);
         auto width = [this] { return std::make_unique<WidthSearch>(question_, options_.seed); };
         return std::make_unique<Portfolio>(
-            std::vector<Portfolio::Member>{{[this] { return lazy(); }, 3'000, 2}, {width, 10'000, 2}});
+            std::vector<Portfolio::Member>{{[this] { return lazy(); }, lazy_slice, 2}, {width, 30'000, 3}});
     }
     std::unique_ptr<Engine> astar() const {
         BestFirstOptions best_first;

@@ -62,6 +62,8 @@ def test_relaxed_plan_reaches_the_goal_and_h_add_equals_the_fixpoint(tiny):
             assert h_add == expected
             assert executes_relaxed(tiny, state, pair.indices(plan))
             assert len(plan) <= h_add
+            if any(len(operator.effects) > 1 for operator in tiny.operators):
+                continue  # an operator may be in the plan for an effect whose condition is not met yet
             helpful = _core.helpful_operators(pair.task.core, packed, pair.task.goal)
             assert set(plan) & set(pair.task.applicable(packed)) <= set(helpful)
 
