@@ -14,6 +14,7 @@ from explicable import _core
 from explicable.errors import LabellerError, UsageError
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
+from explicable.labelling.labeller_file import LabellerContent, read_labeller, write_labeller
 from explicable.labelling.learning import CLASSES, TrainingData, fit_annotators
 from explicable.labelling.score import PlanScores, score_plan
 from explicable.labelling.templates import explain_feature, feature_code
@@ -186,15 +187,12 @@ class Labeller:
         LabellerError
             If it is damaged, of another version, or no labeller at all.
         """
-        from explicable.labelling.labeller_file import read_labeller
-
-        return read_labeller(path)
+        content = read_labeller(path)
+        return Labeller(content.model, content.bootstrap, content.schemas, content.summary)
 
     def save(self, path: str | Path) -> None:
         """Write a labeller file, whole or not at all; `load` restores it exactly."""
-        from explicable.labelling.labeller_file import write_labeller
-
-        write_labeller(path, self)
+        write_labeller(path, LabellerContent(self.model, self.bootstrap, self.schemas, self.summary))
 
     def label(self, team: TeamTask | TeamFeatures, actions: Sequence[GroundAtom]) -> LabelledPlan:
         """Label a plan of a team task.

@@ -3,12 +3,13 @@
 import hashlib
 import json
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from explicable.errors import LabellerError, UsageError
 from explicable.labelling.crf import ConditionalRandomField
-from explicable.labelling.labeller import Labeller
 from explicable.labelling.learning import CLASSES
 from explicable.labelling.templates import TEMPLATES_VERSION
 from explicable.model.files import write_whole
@@ -38,7 +39,17 @@ _KEYS = frozenset(
 )
 
 
-def write_labeller(path: str | Path, labeller: Labeller) -> None:
+@dataclass(frozen=True, slots=True)
+class LabellerContent:
+    """What a labeller file holds: the parameters of `explicable.labelling.labeller.Labeller`."""
+
+    model: ConditionalRandomField
+    bootstrap: tuple[ConditionalRandomField, ...]
+    schemas: tuple[str, ...]
+    summary: Mapping[str, Any]
+
+
+def write_labeller(path: str | Path, labeller: LabellerContent) -> None:
     """Write a labeller file, whole or not at all.
 
     Raises
@@ -59,7 +70,7 @@ def write_labeller(path: str | Path, labeller: Labeller) -> None:
         "features": list(names),
         "model": _weights(labeller.model),
         "bootstrap": [_weights(model) for model in labeller.bootstrap],
-        "training": labeller.summary,
+        "training": dict(labeller.summary),
     }
     write_whole(path, json.dumps(content | {"sha256": checksum(content)}, allow_nan=False) + "\n")
 
@@ -76,7 +87,7 @@ def checksum(content: dict[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def read_labeller(path: str | Path) -> Labeller:
+def read_labeller(path: str | Path) -> LabellerContent:
     """Read a labeller file.
 
     Raises
@@ -98,7 +109,7 @@ class _Reader:
     def refuse(self, message: str) -> NoReturn:
         raise LabellerError(message, path=self.path)
 
-    def read(self) -> Labeller:
+    def read(self) -> LabellerContent:
         content = self.decode()
         if not isinstance(content, dict) or content.get("format") != FORMAT:
             self.refuse("not a labeller file")
@@ -115,10 +126,10 @@ class _Reader:
         if not isinstance(content["training"], dict) or not isinstance(content["bootstrap"], list):
             self.refuse("damaged: 'training' must be an object, 'bootstrap' a list")
         names = self.names("features", content["features"])
-        return Labeller(
+        return LabellerContent(
             self.model(names, content["model"]),
-            [self.model(names, model) for model in content["bootstrap"]],
-            self.names("schemas", content["schemas"]),
+            tuple(self.model(names, model) for model in content["bootstrap"]),
+            tuple(self.names("schemas", content["schemas"])),
             content["training"],
         )
 
