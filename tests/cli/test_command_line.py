@@ -234,7 +234,17 @@ def test_the_same_seed_makes_the_same_traces(place, tmp_path):
 
 
 def test_every_command_explains_itself():
-    for command in ([], ["plan"], ["demo"], ["train"], ["label"], ["traces"], ["first-response"]):
+    for command in (
+        [],
+        ["plan"],
+        ["demo"],
+        ["measure"],
+        ["rank"],
+        ["train"],
+        ["label"],
+        ["traces"],
+        ["first-response"],
+    ):
         done = explicable(*command, "--help")
         assert done.code == 0
         assert "Usage" in done.out

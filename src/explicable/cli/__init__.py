@@ -31,6 +31,8 @@ COMMANDS = {
     "plan": "explicable.cli.plan",
     "train": "explicable.cli.labels",
     "label": "explicable.cli.labels",
+    "measure": "explicable.cli.measures",
+    "rank": "explicable.cli.measures",
     "traces": "explicable.cli.labels",
     "first-response": "explicable.cli.first_response",
 }

@@ -1,0 +1,161 @@
+"""`explicable measure` and `rank`: what can be said of plans, whoever made them."""
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from explicable.cli import EXIT_BAD_INPUT
+from explicable.cli.files import INPUT_FILE, TeamProblemPaths, team_problem_arguments
+from explicable.model.plan import format_action, parse_plan
+
+if TYPE_CHECKING:
+    from explicable.planning import Measures, RankedPlan
+
+plan_argument = click.argument("plan_file", metavar="PLAN", type=INPUT_FILE)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+
+
+@click.command()
+@team_problem_arguments
+@plan_argument
+@click.option(
+    "--labeller", "labeller_file", type=INPUT_FILE, help="What people find explicable (see `train`)."
+)
+@click.option(
+    "--expected",
+    "expected_files",
+    metavar="PLAN",
+    type=INPUT_FILE,
+    multiple=True,
+    help="A plan that the person would expect; can be given again. Distances are to the nearest.",
+)
+@click.option(
+    "--other-goal",
+    "other_goals",
+    metavar="ATOMS",
+    multiple=True,
+    help="What else the robots could be after, such as '(at r1 hall)(lit hall)'; can be given again.",
+)
+@click.option(
+    "--temperature",
+    type=float,
+    default=1.0,
+    show_default=True,
+    help="Of the observer who is surprised, in the unit of cost.",
+)
+@click.option("--time-limit", type=click.FloatRange(min=0), help="Seconds for the exact searches.")
+@json_option
+def measure(
+    paths: TeamProblemPaths,
+    plan_file: Path,
+    labeller_file: Path | None,
+    expected_files: tuple[Path, ...],
+    other_goals: tuple[str, ...],
+    temperature: float,
+    time_limit: float | None,
+    as_json: bool,
+) -> None:
+    """Measure PLAN: how explicable, how far from what is expected, how dear, how surprising it is."""
+    from explicable.model.grounding import ground_team
+    from explicable.model.plan import read_plan
+    from explicable.planning import measure as measure_plan
+
+    labeller = None
+    if labeller_file is not None:
+        from explicable.labelling import Labeller
+
+        labeller = Labeller.load(labeller_file)
+    measures = measure_plan(
+        ground_team(paths.read()),
+        read_plan(plan_file),
+        labeller,
+        [read_plan(path) for path in expected_files],
+        alternative_goals=[parse_plan(text.replace(")", ")\n"), "--other-goal") for text in other_goals],
+        temperature=temperature,
+        time_limit_s=time_limit,
+    )
+    record = describe_measures(measures)
+    if as_json:
+        click.echo(json.dumps(record))
+        return
+    for name, value in record.items():
+        if value is not None and name not in {"step_probabilities", "goal_probabilities", "predictability"}:
+            click.echo(f"{name:18} {f'{value:.3f}' if isinstance(value, float) else value}")
+
+
+def describe_measures(measures: "Measures") -> dict[str, Any]:
+    """The object that `measure --json` prints; null where nothing is known, and for what is infinite."""
+    labelled, distance, seen = measures.labelled, measures.distance, measures.recognition
+    record: dict[str, Any] = {"cost": measures.cost, "reaches_goal": measures.reaches_goal}
+    record |= labelled.scores.as_dict() if labelled else {}
+    for name in ("actions", "causal_links", "states"):
+        record[f"distance_{name}"] = getattr(distance, name) if distance else None
+    return record | {
+        "cost_gap": _finite(measures.cost_gap),
+        "objection": measures.objection,
+        "num_impossible": measures.num_impossible,
+        "surprise": _finite(measures.surprise),
+        "step_probabilities": measures.step_probabilities,
+        "legibility": seen.legibility if seen else None,
+        "predictability": seen.predictability if seen else None,
+        "goal_probabilities": seen.goal_probabilities if seen else None,
+        "in_time": measures.in_time,
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    return None if value is None or math.isinf(value) else value
+
+
+@click.command()
+@click.argument("labeller_file", metavar="LABELLER", type=INPUT_FILE)
+@team_problem_arguments
+@click.argument("plan_files", metavar="PLAN...", nargs=-1, required=True, type=INPUT_FILE)
+@click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
+@json_option
+def rank(
+    paths: TeamProblemPaths, labeller_file: Path, plan_files: tuple[Path, ...], alpha: float, as_json: bool
+) -> int:
+    """Order PLANs, from any planner, by cost and by how explicable they are: the best first.
+
+    What is no plan of the task comes last, with the reason. Exit code 3 if none is.
+    """
+    from explicable.labelling import Labeller
+    from explicable.model.grounding import ground_team
+    from explicable.model.plan import read_plan
+    from explicable.planning import check_alpha
+    from explicable.planning import rank as rank_plans
+
+    check_alpha(alpha)
+    labeller = Labeller.load(labeller_file)
+    plans = [read_plan(path) for path in plan_files]
+    ranked = rank_plans(ground_team(paths.read()), labeller, plans, alpha)
+    records = [{"file": str(plan_files[plan.number]), **describe_ranked(plan)} for plan in ranked]
+    if as_json:
+        click.echo(json.dumps({"alpha": alpha, "plans": records}))
+    else:
+        for place, record in enumerate(records, start=1):
+            click.echo(_ranked_line(place, record))
+    return 0 if any(plan.objection is None for plan in ranked) else EXIT_BAD_INPUT
+
+
+def describe_ranked(plan: "RankedPlan") -> dict[str, Any]:
+    """What `rank --json` prints of one plan."""
+    return {
+        "objective": plan.objective,
+        "cost": plan.cost,
+        "scores": plan.labelled.scores.as_dict() if plan.labelled else None,
+        "objection": plan.objection,
+        "plan": [format_action(action) for action in plan.actions],
+    }
+
+
+def _ranked_line(place: int, record: dict[str, Any]) -> str:
+    if record["objection"] is not None:
+        return f" -  {record['file']}: no plan: {record['objection']}"
+    expected = record["scores"]["f_expected"]
+    f = "" if expected is None else f"  E[F] = {expected:.3f}"
+    return f"{place:2}  {record['file']}: J = {record['objective']:.3f}  cost = {record['cost']}{f}"

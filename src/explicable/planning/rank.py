@@ -1,0 +1,103 @@
+"""Re-ranking: plans from any planner in the order of the objective J."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from explicable.errors import PlanError
+from explicable.model.problem import GroundAtom
+from explicable.model.team import TeamTask
+from explicable.planning.planner import check_alpha, joint_plan, objective
+
+if TYPE_CHECKING:
+    from explicable.labelling import LabelledPlan, Labeller
+    from explicable.labelling.features import TeamFeatures
+
+
+@dataclass(frozen=True, slots=True)
+class RankedPlan:
+    """One of several plans.
+
+    Attributes
+    ----------
+    number
+        Its place among the plans as they were given, from 0.
+    actions
+        Its steps.
+    cost, objective, labelled
+        As of `explicable.planning.TeamPlan`; None if it is no plan of the task.
+    objection
+        Why it is none, or None.
+    """
+
+    number: int
+    actions: tuple[GroundAtom, ...]
+    cost: int | None
+    objective: float | None
+    labelled: "LabelledPlan | None"
+    objection: str | None
+
+
+def rank(
+    team_task: TeamTask,
+    labeller: "Labeller",
+    plans: Iterable[Sequence[GroundAtom]],
+    alpha: float = 1.0,
+) -> list[RankedPlan]:
+    """Order plans by ``J = cost + alpha * E[number of inexplicable steps]``, the best first.
+
+    Equals keep the order in which they were given. What can't be executed in the composite task, or does not
+    reach its goal, comes last, with the reason.
+
+    Parameters
+    ----------
+    alpha
+        Price of one inexplicable step, in the unit of cost.
+
+    Raises
+    ------
+    UsageError
+        If alpha is negative, infinite or not a number.
+    LabellerError
+        If the labeller was trained on another domain.
+
+    Examples
+    --------
+    >>> from explicable.first_response.encoding import encode
+    >>> from explicable.first_response.world import World
+    >>> from explicable.labelling.crf import ConditionalRandomField
+    >>> from explicable.labelling.labeller import Labeller
+    >>> from explicable.model.grounding import ground_team
+    >>> weights = ["request: move farther"], [[-5.0, 0.0]], [[0, 0], [0, 0]]
+    >>> labeller = Labeller(ConditionalRandomField.from_weights([True, False], *weights), schemas=["move"])
+    >>> order = ("command", "person", "c-0-2")
+    >>> way = [("move", "r1", "c-0-1", "c-0-2"), ("visit-room", "r1", "c-0-2")]
+    >>> stray = [("move", "r1", "c-0-1", "c-0-0"), ("move", "r1", "c-0-0", "c-0-1")]
+    >>> team_task = ground_team(encode(World((".@*",))))
+    >>> ranked = rank(team_task, labeller, [[order, *stray, *way], [order, *way], way])
+    >>> [plan.number for plan in ranked], ranked[-1].objection
+    ([1, 0, 2], 'step 2, (visit-room r1 c-0-2), lacks (commanded c-0-2)')
+    """
+    from explicable.labelling.features import TeamFeatures
+
+    check_alpha(alpha)
+    features = TeamFeatures(team_task)
+    ranked = [
+        _judge(features, labeller, number, tuple(actions), alpha) for number, actions in enumerate(plans)
+    ]
+    return sorted(ranked, key=lambda plan: float("inf") if plan.objective is None else plan.objective)
+
+
+def _judge(
+    features: "TeamFeatures", labeller: "Labeller", number: int, actions: tuple[GroundAtom, ...], alpha: float
+) -> RankedPlan:
+    team_task = features.team
+    try:
+        execution = team_task.task.execute(actions)
+    except PlanError as error:
+        return RankedPlan(number, actions, None, None, None, error.message)
+    if not team_task.task.is_goal(execution.states[-1]):
+        return RankedPlan(number, actions, None, None, None, "the plan does not reach the goal")
+    labelled = labeller.label(features, actions)
+    value = objective(joint_plan(team_task, actions, execution.cost), labelled, alpha)
+    return RankedPlan(number, actions, execution.cost, value, labelled, None)

@@ -1,0 +1,97 @@
+"""Commands on plans that are handed in: measure, rank, explain."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from explicable.first_response.encoding import encode
+from explicable.first_response.world import parse_map
+from explicable.labelling import problem_texts
+from explicable.model.plan import format_plan
+from planning.floors import DETOUR, command, judge_of_progress, moves, visit
+
+SHORT = [command(1, 3), *moves((1, 1), (1, 2), (1, 3)), visit(1, 3)]
+LONG = [command(1, 3), *moves((1, 1), (2, 1), (2, 2), (2, 3), (1, 3)), visit(1, 3)]
+LATE = [*LONG[1:-1], LONG[0], LONG[-1]]
+TEAM = ["domain.pddl", "problem.pddl"]
+HUMAN = ["--human-domain", "human-domain.pddl", "--human-problem", "human-problem.pddl"]
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plans")
+    for part, text in problem_texts(encode(parse_map(DETOUR))).items():
+        (folder / f"{part.replace('_', '-')}.pddl").write_text(text)
+    for name, plan in (("short", SHORT), ("long", LONG), ("late", LATE)):
+        (folder / f"{name}.plan").write_text(format_plan(plan, len(plan)))
+    judge_of_progress().save(folder / "labeller.json")
+    return folder
+
+
+def explicable(place, *arguments):
+    done = subprocess.run(
+        [sys.executable, "-m", "explicable", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=place,
+        timeout=120,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr
+    return done
+
+
+def test_measure_prints_what_the_function_finds(place):
+    options = ["--labeller", "labeller.json", "--expected", "short.plan", "--other-goal", "(at r1 c-2-1)"]
+    done = explicable(place, "measure", *TEAM, "long.plan", *HUMAN, *options, "--json")
+    assert done.returncode == 0, done.stderr
+    record = json.loads(done.stdout)
+    assert (record["cost"], record["cost_gap"], record["reaches_goal"]) == (6, 2, True)
+    assert record["distance_actions"] == 0.75
+    assert record["step_probabilities"][0] is None
+    assert 0 < record["legibility"] < 1
+    assert 0 < record["f_expected"] < 1
+    text = explicable(place, "measure", *TEAM, "long.plan", *HUMAN, *options)
+    assert "cost_gap           2\n" in text.stdout
+
+
+def test_measure_without_labeller_or_in_no_time(place):
+    done = explicable(place, "measure", *TEAM, "long.plan", *HUMAN, "--time-limit", "0", "--json")
+    record = json.loads(done.stdout)
+    assert not record["in_time"]
+    assert record["surprise"] is None
+    assert "f_paper" not in record
+
+
+def test_rank_orders_by_j_and_lists_what_is_no_plan_last(place):
+    plans = ["short.plan", "late.plan", "long.plan"]
+    done = explicable(place, "rank", "labeller.json", *TEAM, *plans, *HUMAN, "--alpha", "2", "--json")
+    assert done.returncode == 0, done.stderr
+    ranked = json.loads(done.stdout)["plans"]
+    assert ranked[-1]["file"] == "short.plan"
+    assert "step 2" in ranked[-1]["objection"]
+    assert ranked[0]["objective"] <= ranked[1]["objective"]
+    lines = explicable(place, "rank", "labeller.json", *TEAM, *plans, *HUMAN).stdout.splitlines()
+    assert len(lines) == 3
+    assert lines[-1].startswith(" -  short.plan: no plan: step 2")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["rank", "labeller.json", *TEAM, "short.plan", *HUMAN], 3, ""),
+        (["rank", "labeller.json", *TEAM, "long.plan", "--alpha", "nan"], 2, "alpha"),
+        (["rank", "labeller.json", *TEAM], 2, "PLAN"),
+        (["measure", *TEAM, "short.plan", *HUMAN], 3, "step 2"),
+        (["measure", *TEAM, "problem.pddl", *HUMAN], 3, "problem.pddl:1"),
+        (["measure", *TEAM, "long.plan", "--temperature", "0"], 2, "temperature"),
+        (["measure", *TEAM, "long.plan", "--other-goal", "nonsense"], 3, "nonsense"),
+    ],
+)
+def test_one_message_and_a_documented_exit_code(place, arguments, code, message):
+    done = explicable(place, *arguments)
+    assert done.returncode == code, done
+    assert message in done.stderr
+    assert len(done.stderr.splitlines()) <= 4
