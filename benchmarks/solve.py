@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import signal
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -53,7 +54,11 @@ def _outcome(program: Program, cwd: Path, costs: dict[str, Cost], peers: Peers, 
     judged = validate(peers, cwd, program.plan, limits.core) if found and used_s <= limits.cpu_s else {}
     if judged.get("valid") or (figures and not program.plan):
         return figures | judged | {"outcome": "solved"}
-    if used_s >= 0.97 * limits.cpu_s:  # what a program leaves behind when it is stopped is no plan
+    stopped = last.exit_code in {
+        -signal.SIGXCPU,
+        -signal.SIGKILL,
+    }  # by the limits; a plan left behind may be torn
+    if stopped or used_s >= 0.97 * limits.cpu_s:
         return {"outcome": "limit"}
     if judged:
         return judged | {"outcome": "invalid"}
