@@ -63,7 +63,7 @@ private:
     std::unique_ptr<Engine> standard() const {
         if (options_.labelled.scorer) return lazy();
         const std::int64_t size = question_.task.num_facts() + question_.task.num_operators();
-        const std::int64_t lazy_slice = std::clamp<std::int64_t>(20'000'000 / (size + 1), 500, 3'000);
+        const std::int64_t lazy_slice = std::clamp<std::int64_t>(40'000'000 / (size + 1), 500, 4'000);
         auto width = [this] { return std::make_unique<WidthSearch>(question_, options_.seed); };
         return std::make_unique<Portfolio>(
             std::vector<Portfolio::Member>{{[this] { return lazy(); }, lazy_slice, 2}, {width, 30'000, 3}});
