@@ -238,6 +238,7 @@ def test_every_command_explains_itself():
         [],
         ["plan"],
         ["demo"],
+        ["explain"],
         ["measure"],
         ["rank"],
         ["train"],

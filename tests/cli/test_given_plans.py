@@ -78,6 +78,16 @@ def test_rank_orders_by_j_and_lists_what_is_no_plan_last(place):
     assert lines[-1].startswith(" -  short.plan: no plan: step 2")
 
 
+def test_explain_says_what_the_person_does_not_know(place):
+    done = explicable(place, "explain", "labeller.json", *TEAM, "long.plan", *HUMAN)
+    lines = done.stdout.splitlines()
+    assert len(lines) == len(LONG)
+    assert "(clear c-1-2) does not hold" in lines[1]
+    done = explicable(place, "explain", "labeller.json", *TEAM, "long.plan", *HUMAN, "--json")
+    step = json.loads(done.stdout)["steps"][1]
+    assert (step["finding"], step["told"]) == ("explained", ["(clear c-1-2) does not hold"])
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [

@@ -31,6 +31,7 @@ COMMANDS = {
     "plan": "explicable.cli.plan",
     "train": "explicable.cli.labels",
     "label": "explicable.cli.labels",
+    "explain": "explicable.cli.explain",
     "measure": "explicable.cli.measures",
     "rank": "explicable.cli.measures",
     "traces": "explicable.cli.labels",

@@ -1,5 +1,7 @@
 """Where search meets labelling: planning with regard to what the person expects."""
 
+from explicable.planning.differences import Difference, correct, find_differences
+from explicable.planning.explanation import Finding, StepExplanation, explain
 from explicable.planning.measures import Measures, measure
 from explicable.planning.planner import (
     TeamPlan,
@@ -12,10 +14,16 @@ from explicable.planning.planner import (
 from explicable.planning.rank import RankedPlan, rank
 
 __all__ = [
+    "Difference",
+    "Finding",
     "Measures",
     "RankedPlan",
+    "StepExplanation",
     "TeamPlan",
     "check_alpha",
+    "correct",
+    "explain",
+    "find_differences",
     "joint_plan",
     "measure",
     "objective",
