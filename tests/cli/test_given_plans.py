@@ -8,7 +8,7 @@ import pytest
 
 from explicable.first_response.encoding import encode
 from explicable.first_response.world import parse_map
-from explicable.labelling import problem_texts
+from explicable.labelling import LabelledStep, Trace, problem_texts, write_traces
 from explicable.model.plan import format_plan
 from planning.floors import DETOUR, command, judge_of_progress, moves, visit
 
@@ -22,10 +22,13 @@ HUMAN = ["--human-domain", "human-domain.pddl", "--human-problem", "human-proble
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("plans")
-    for part, text in problem_texts(encode(parse_map(DETOUR))).items():
+    problem = encode(parse_map(DETOUR))
+    for part, text in problem_texts(problem).items():
         (folder / f"{part.replace('_', '-')}.pddl").write_text(text)
     for name, plan in (("short", SHORT), ("long", LONG), ("late", LATE)):
         (folder / f"{name}.plan").write_text(format_plan(plan, len(plan)))
+    steps = tuple(LabelledStep(problem.agent_of(action).name, action) for action in LONG)
+    write_traces(folder / "people.jsonl", [Trace(problem, steps, "anna", "person")] * 3)
     judge_of_progress().save(folder / "labeller.json")
     return folder
 
@@ -76,6 +79,15 @@ def test_rank_orders_by_j_and_lists_what_is_no_plan_last(place):
     lines = explicable(place, "rank", "labeller.json", *TEAM, *plans, *HUMAN).stdout.splitlines()
     assert len(lines) == 3
     assert lines[-1].startswith(" -  short.plan: no plan: step 2")
+
+
+def test_human_steps_are_scored_where_traces_of_people_are_given(place):
+    people = ["--people", "people.jsonl", "--json"]
+    done = explicable(place, "rank", "labeller.json", *TEAM, "late.plan", "long.plan", *HUMAN, *people)
+    plausible = {plan["file"]: plan["f_human"] for plan in json.loads(done.stdout)["plans"]}
+    assert all(0 < p < 1 for p in plausible.values())
+    done = explicable(place, "measure", *TEAM, "long.plan", *HUMAN, *people)
+    assert json.loads(done.stdout)["f_human"] == plausible["long.plan"]
 
 
 def test_explain_says_what_the_person_does_not_know(place):

@@ -12,10 +12,18 @@ from explicable.cli.files import INPUT_FILE, TeamProblemPaths, team_problem_argu
 from explicable.model.plan import format_action, parse_plan
 
 if TYPE_CHECKING:
-    from explicable.planning import Measures, RankedPlan
+    from explicable.planning import HumanModel, Measures, RankedPlan
 
 plan_argument = click.argument("plan_file", metavar="PLAN", type=INPUT_FILE)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+
+people_option = click.option(
+    "--people",
+    "people_file",
+    metavar="TRACES",
+    type=INPUT_FILE,
+    help="Learn from these traces what people do, and say how plausible the plan's human steps are.",
+)
 
 
 @click.command()
@@ -47,10 +55,12 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print one JS
     help="Of the observer who is surprised, in the unit of cost.",
 )
 @click.option("--time-limit", type=click.FloatRange(min=0), help="Seconds for the exact searches.")
+@people_option
 @json_option
 def measure(
     paths: TeamProblemPaths,
     plan_file: Path,
+    people_file: Path | None,
     labeller_file: Path | None,
     expected_files: tuple[Path, ...],
     other_goals: tuple[str, ...],
@@ -73,6 +83,7 @@ def measure(
         read_plan(plan_file),
         labeller,
         [read_plan(path) for path in expected_files],
+        human_model=_read_human_model(people_file),
         alternative_goals=[parse_plan(text.replace(")", ")\n"), "--other-goal") for text in other_goals],
         temperature=temperature,
         time_limit_s=time_limit,
@@ -86,14 +97,24 @@ def measure(
             click.echo(f"{name:18} {f'{value:.3f}' if isinstance(value, float) else value}")
 
 
+def _read_human_model(path: Path | None) -> "HumanModel | None":
+    from explicable.labelling import read_traces
+    from explicable.planning import HumanModel
+
+    return None if path is None else HumanModel.learn(read_traces(path))
+
+
 def describe_measures(measures: "Measures") -> dict[str, Any]:
     """The object that `measure --json` prints; null where nothing is known, and for what is infinite."""
-    labelled, distance, seen = measures.labelled, measures.distance, measures.recognition
+    labelled, distance = measures.labelled, measures.distance
+    predicted, seen = measures.predicted, measures.recognition
     record: dict[str, Any] = {"cost": measures.cost, "reaches_goal": measures.reaches_goal}
     record |= labelled.scores.as_dict() if labelled else {}
     for name in ("actions", "causal_links", "states"):
         record[f"distance_{name}"] = getattr(distance, name) if distance else None
     return record | {
+        "f_human": predicted.f_human if predicted else None,
+        "human_log_probability": _finite(predicted.log_probability) if predicted else None,
         "cost_gap": _finite(measures.cost_gap),
         "objection": measures.objection,
         "num_impossible": measures.num_impossible,
@@ -115,9 +136,15 @@ def _finite(value: float | None) -> float | None:
 @team_problem_arguments
 @click.argument("plan_files", metavar="PLAN...", nargs=-1, required=True, type=INPUT_FILE)
 @click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
+@people_option
 @json_option
 def rank(
-    paths: TeamProblemPaths, labeller_file: Path, plan_files: tuple[Path, ...], alpha: float, as_json: bool
+    paths: TeamProblemPaths,
+    labeller_file: Path,
+    plan_files: tuple[Path, ...],
+    alpha: float,
+    people_file: Path | None,
+    as_json: bool,
 ) -> int:
     """Order PLANs, from any planner, by cost and by how explicable they are: the best first.
 
@@ -132,7 +159,8 @@ def rank(
     check_alpha(alpha)
     labeller = Labeller.load(labeller_file)
     plans = [read_plan(path) for path in plan_files]
-    ranked = rank_plans(ground_team(paths.read()), labeller, plans, alpha)
+    human_model = _read_human_model(people_file)
+    ranked = rank_plans(ground_team(paths.read()), labeller, plans, alpha, human_model=human_model)
     records = [{"file": str(plan_files[plan.number]), **describe_ranked(plan)} for plan in ranked]
     if as_json:
         click.echo(json.dumps({"alpha": alpha, "plans": records}))
@@ -148,6 +176,7 @@ def describe_ranked(plan: "RankedPlan") -> dict[str, Any]:
         "objective": plan.objective,
         "cost": plan.cost,
         "scores": plan.labelled.scores.as_dict() if plan.labelled else None,
+        "f_human": plan.predicted.f_human if plan.predicted else None,
         "objection": plan.objection,
         "plan": [format_action(action) for action in plan.actions],
     }
@@ -158,4 +187,6 @@ def _ranked_line(place: int, record: dict[str, Any]) -> str:
         return f" -  {record['file']}: no plan: {record['objection']}"
     expected = record["scores"]["f_expected"]
     f = "" if expected is None else f"  E[F] = {expected:.3f}"
+    if record["f_human"] is not None:
+        f += f"  F_human = {record['f_human']:.3f}"
     return f"{place:2}  {record['file']}: J = {record['objective']:.3f}  cost = {record['cost']}{f}"

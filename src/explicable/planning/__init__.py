@@ -11,12 +11,15 @@ from explicable.planning.planner import (
     plan_classically,
     plan_explicably,
 )
+from explicable.planning.predictions import HumanModel, PredictedSteps
 from explicable.planning.rank import RankedPlan, rank
 
 __all__ = [
     "Difference",
     "Finding",
+    "HumanModel",
     "Measures",
+    "PredictedSteps",
     "RankedPlan",
     "StepExplanation",
     "TeamPlan",

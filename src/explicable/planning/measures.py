@@ -15,6 +15,7 @@ from explicable.planning.observer import CostToGo, Recognition, recognise, step_
 
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan, Labeller
+    from explicable.planning.predictions import HumanModel, PredictedSteps
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +30,8 @@ class Measures:
         Whether it does, in the composite task.
     labelled
         Steps with predicted labels, and F in all variants (method page, section 2).
+    predicted
+        How plausible the human steps are, ``f_human`` among it.
     distance
         To the nearest expected plan: the least of each distance over the expected plans.
     cost_gap
@@ -52,6 +55,7 @@ class Measures:
     cost: int
     reaches_goal: bool
     labelled: "LabelledPlan | None"
+    predicted: "PredictedSteps | None"
     distance: PlanDistance | None
     cost_gap: float | None
     objection: str | None
@@ -68,6 +72,7 @@ def measure(
     labeller: "Labeller | None" = None,
     expected_plans: Iterable[Sequence[GroundAtom]] = (),
     *,
+    human_model: "HumanModel | None" = None,
     alternative_goals: Sequence[Iterable[GroundAtom]] = (),
     temperature: float = 1.0,
     time_limit_s: float | None = None,
@@ -82,6 +87,8 @@ def measure(
         For F and labels.
     expected_plans
         Plans of the mental task; for distances.
+    human_model
+        Of the person's choices; for the plausibility of human steps.
     alternative_goals
         What else the robots could be after, in the person's eyes; for legibility and predictability.
     temperature
@@ -133,6 +140,7 @@ def measure(
         cost=execution.cost,
         reaches_goal=team_task.task.is_goal(execution.states[-1]),
         labelled=labelled,
+        predicted=human_model.predict(team_task, actions) if human_model else None,
         distance=_least(distances),
         cost_gap=None if least is None or least == math.inf else mental_cost - least,
         objection=objection,

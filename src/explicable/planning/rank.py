@@ -12,6 +12,7 @@ from explicable.planning.planner import check_alpha, joint_plan, objective
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan, Labeller
     from explicable.labelling.features import TeamFeatures
+    from explicable.planning.predictions import HumanModel, PredictedSteps
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,8 @@ class RankedPlan:
         Its steps.
     cost, objective, labelled
         As of `explicable.planning.TeamPlan`; None if it is no plan of the task.
+    predicted
+        How plausible its human steps are, if a model of the person's choices was given.
     objection
         Why it is none, or None.
     """
@@ -35,6 +38,7 @@ class RankedPlan:
     cost: int | None
     objective: float | None
     labelled: "LabelledPlan | None"
+    predicted: "PredictedSteps | None"
     objection: str | None
 
 
@@ -43,6 +47,8 @@ def rank(
     labeller: "Labeller",
     plans: Iterable[Sequence[GroundAtom]],
     alpha: float = 1.0,
+    *,
+    human_model: "HumanModel | None" = None,
 ) -> list[RankedPlan]:
     """Order plans by ``J = cost + alpha * E[number of inexplicable steps]``, the best first.
 
@@ -53,6 +59,8 @@ def rank(
     ----------
     alpha
         Price of one inexplicable step, in the unit of cost.
+    human_model
+        Of the person's choices: says how plausible the human steps are. The order does not hang on it.
 
     Raises
     ------
@@ -83,21 +91,28 @@ def rank(
     check_alpha(alpha)
     features = TeamFeatures(team_task)
     ranked = [
-        _judge(features, labeller, number, tuple(actions), alpha) for number, actions in enumerate(plans)
+        _judge(features, labeller, human_model, number, tuple(actions), alpha)
+        for number, actions in enumerate(plans)
     ]
     return sorted(ranked, key=lambda plan: float("inf") if plan.objective is None else plan.objective)
 
 
 def _judge(
-    features: "TeamFeatures", labeller: "Labeller", number: int, actions: tuple[GroundAtom, ...], alpha: float
+    features: "TeamFeatures",
+    labeller: "Labeller",
+    human_model: "HumanModel | None",
+    number: int,
+    actions: tuple[GroundAtom, ...],
+    alpha: float,
 ) -> RankedPlan:
     team_task = features.team
     try:
         execution = team_task.task.execute(actions)
     except PlanError as error:
-        return RankedPlan(number, actions, None, None, None, error.message)
+        return RankedPlan(number, actions, None, None, None, None, error.message)
     if not team_task.task.is_goal(execution.states[-1]):
-        return RankedPlan(number, actions, None, None, None, "the plan does not reach the goal")
+        return RankedPlan(number, actions, None, None, None, None, "the plan does not reach the goal")
     labelled = labeller.label(features, actions)
     value = objective(joint_plan(team_task, actions, execution.cost), labelled, alpha)
-    return RankedPlan(number, actions, execution.cost, value, labelled, None)
+    predicted = human_model.predict(features, actions) if human_model else None
+    return RankedPlan(number, actions, execution.cost, value, labelled, predicted, None)
