@@ -152,5 +152,39 @@ void bind_scorer(nb::module_& module) {
              [](const BoundScorer& scorer, const nb::bytes& context) {
                  return scorer.closing_key(check_context(scorer, context));
              },
-             "context"_a);
+             "context"_a)
+        .def("lead",
+             [](const BoundScorer& scorer, const nb::bytes& a, const nb::bytes& b, const nb::bytes& state) {
+                 return scorer.lead(check_context(scorer, a), check_context(scorer, b), unpack(scorer.task, state));
+             },
+             "a"_a, "b"_a, "state"_a)
+        .def("least_count",
+             [](const BoundScorer& scorer, const nb::bytes& context) {
+                 return scorer.least_count(check_context(scorer, context));
+             },
+             "context"_a)
+        .def("least_growth",
+             [](const BoundScorer& scorer, const nb::bytes& parent, OperatorId step, const nb::bytes& child) {
+                 if (step < 0 || step >= scorer.task.num_operators()) throw nb::index_error("no such operator");
+                 return scorer.least_growth(check_context(scorer, parent), step, check_context(scorer, child));
+             },
+             "parent"_a, "step"_a, "child"_a)
+        .def("least_end",
+             [](const BoundScorer& scorer, const nb::bytes& context) {
+                 return scorer.least_end(check_context(scorer, context));
+             },
+             "context"_a)
+        .def("outlook_key",
+             [](const BoundScorer& scorer, const nb::bytes& context) {
+                 return scorer.outlook_key(check_context(scorer, context));
+             },
+             "context"_a)
+        .def("widen",
+             [](const BoundScorer& scorer, const nb::bytes& context, const nb::bytes& other) {
+                 const std::byte* const bytes = check_context(scorer, context);
+                 std::vector<std::byte> widened(bytes, bytes + context.size());
+                 scorer.widen(widened.data(), check_context(scorer, other));
+                 return nb::bytes(widened.data(), widened.size());
+             },
+             "context"_a, "other"_a);
 }

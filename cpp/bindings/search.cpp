@@ -78,7 +78,7 @@ bool has_been_interrupted() {
 SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initial,
                     const std::vector<FactId>& goal, const std::string& algorithm,
                     const std::string& heuristic, const std::string& preferred, double weight, std::uint64_t seed,
-                    const PathScorer* scorer, const std::string& closing, double alpha, bool ratio,
+                    const PathScorer* scorer, const std::string& closing, double alpha, bool ratio, double gap,
                     double time_limit_s, std::optional<std::size_t> memory_limit_bytes,
                     std::optional<std::int64_t> max_evaluations) {
     check_scorer(task, scorer);
@@ -91,6 +91,7 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
     options.labelled = {scorer, closing_of(closing)};
     options.alpha = alpha;
     options.ratio = ratio;
+    options.gap = gap;
     Limits limits;
     limits.time_s = time_limit_s;
     if (memory_limit_bytes) limits.memory_bytes = *memory_limit_bytes;
@@ -169,7 +170,7 @@ void bind_search(nb::module_& module) {
         .def_ro("memory_bytes", &SearchAnswer::memory_bytes)
         .def_ro("search_s", &SearchAnswer::search_s);
     module.def("search", &search, "task"_a, "initial"_a.none(), "goal"_a, nb::kw_only(), "algorithm"_a,
-               "heuristic"_a, "preferred"_a, "weight"_a, "seed"_a, "scorer"_a.none(), "closing"_a, "alpha"_a, "ratio"_a,
+               "heuristic"_a, "preferred"_a, "weight"_a, "seed"_a, "scorer"_a.none(), "closing"_a, "alpha"_a, "ratio"_a, "gap"_a,
                "time_limit_s"_a, "memory_limit_bytes"_a.none(), "max_evaluations"_a.none());
     module.def("applicable_operators", &applicable, "task"_a, "state"_a);
     module.def("relaxed_plan", &relaxed_plan, "task"_a, "state"_a, "goal"_a, "unit_costs"_a = true);

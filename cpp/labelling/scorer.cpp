@@ -19,21 +19,8 @@ void read_goals(const Task& task, const TeamTables& tables, const State& state, 
         if (state.holds(task, tables.goals[goal])) goals.close(goal);
 }
 
-
 bool any(const std::vector<double>& weights) {
     return std::ranges::any_of(weights, [](double weight) { return weight != 0; });
-}
-
-std::uint64_t combine(std::uint64_t key, std::uint64_t value) {  // splitmix64 of both
-    key += value + 0x9E3779B97F4A7C15u;
-    key = (key ^ (key >> 30)) * 0xBF58476D1CE4E5B9u;
-    key = (key ^ (key >> 27)) * 0x94D049BB133111EBu;
-    return key ^ (key >> 31);
-}
-
-// To a millionth: the chain forgets, and what two paths once differed in need not keep them apart for ever.
-std::uint64_t rounded(double value) {
-    return std::bit_cast<std::uint64_t>(std::isfinite(value) ? std::round(value * 0x1p20) + 0.0 : value);
 }
 
 }  // namespace
@@ -129,6 +116,7 @@ Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const
         }
     for (std::size_t i = 0; i < 2; ++i)
         for (std::size_t j = 0; j < 2; ++j) factors_[i][j] = std::exp(transitions[i][j] - largest);
+    find_bounds();
 }
 
 std::size_t Scorer::context_size() const { return sizeof(Context); }
@@ -185,20 +173,19 @@ PathScore Scorer::score(const std::byte* node, const State& state, std::span<con
     return {mean, variance, context.num_steps};
 }
 
-std::uint64_t Scorer::closing_key(const std::byte* node) const {
-    Context context;
-    std::memcpy(&context, node, sizeof context);
-    const auto& [situation, chain, pending, num_steps] = context;
-    std::uint64_t key = static_cast<std::uint64_t>(num_steps > 0);
+std::uint64_t Scorer::closing_key(const std::byte* node) const { return situation_key(read(node)); }
+
+// What the features of later steps see of the path, but for steps that they may take back; see effect_of_history().
+std::uint64_t Scorer::situation_key(const Context& context) const {
+    const auto& situation = context.situation;
+    std::uint64_t key = static_cast<std::uint64_t>(context.num_steps > 0);
     const auto add = [&key](std::int64_t value) { key = combine(key, static_cast<std::uint64_t>(value)); };
     add(situation.last);
     if (uses_human_) add(situation.last_human);
     for (std::int32_t i = 0; i < situation.num_open; ++i) add(situation.open[i]);
-    for (std::size_t i = 0; i < (uses_returns_ ? kRecentSteps - 1 : 1); ++i) add(situation.robot_steps[i]);
+    add(situation.robot_steps[0]);
     add(situation.neighbour);
-    key = combine(key, rounded(pending));
-    key = combine(key, rounded(chain.odds));
-    return combine(key, rounded(chain.count[1] - chain.count[0]));
+    return key;
 }
 
 bool Scorer::is_sound(std::span<const std::byte> bytes) const {

@@ -1,8 +1,10 @@
 // A labeller compiled for one team task: scores path # relaxed plan in time that does not depend on the path.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <vector>
@@ -56,6 +58,13 @@ private:
     std::vector<std::vector<double>> tables_;
 };
 
+inline std::uint64_t combine(std::uint64_t key, std::uint64_t value) {  // splitmix64 of both
+    key += value + 0x9E3779B97F4A7C15u;
+    key = (key ^ (key >> 30)) * 0xBF58476D1CE4E5B9u;
+    key = (key ^ (key >> 27)) * 0x94D049BB133111EBu;
+    return key ^ (key >> 31);
+}
+
 inline constexpr int kMaxRequests = 8;  // a person keeps so many open requests in mind; older ones are forgotten
 inline constexpr int kRecentSteps = 4;  // steps of robots that a later one may take back
 
@@ -84,6 +93,13 @@ public:
     PathScore score(const std::byte* context, const State& state,
                     std::span<const OperatorId> relaxed_plan) const override;
     std::uint64_t closing_key(const std::byte* context) const override;
+    double lead(const std::byte* a, const std::byte* b, const State& state) const override;
+    bool has_bounds() const override { return true; }
+    double least_count(const std::byte* context) const override;
+    double least_growth(const std::byte* parent, OperatorId step, const std::byte* child) const override;
+    double least_end(const std::byte* context) const override;
+    std::uint64_t outlook_key(const std::byte* context) const override;
+    void widen(std::byte* context, const std::byte* other) const override;
 
     // Whether bytes from outside can be a context of this scorer.
     bool is_sound(std::span<const std::byte> context) const;
@@ -91,6 +107,13 @@ public:
     void start_at(std::span<const std::byte> context);
 
 private:
+    struct Span {
+        double least, greatest;
+        void cover(double value) {
+            least = std::min(least, value);
+            greatest = std::max(greatest, value);
+        }
+    };
     // The labels of the steps whose features are final. Of two labels only the difference counts.
     struct Chain {
         double odds = 0;                    // hard: best score of inexplicable - explicable; soft: P(inexplicable)
@@ -104,6 +127,20 @@ private:
         double pending = 0;  // score of the last step, but for its look-ahead
         std::int32_t num_steps = 0;
     };
+    static Context read(const std::byte* bytes) {
+        Context context;
+        std::memcpy(&context, bytes, sizeof context);
+        return context;
+    }
+    std::uint64_t situation_key(const Context& context) const;
+    void find_bounds();
+    double from_right(double z) const;
+    Span from_last(const Context& context) const;
+    double least_inexplicable(const Context& context, double look_ahead, double heard) const;
+    double lead_expected(const Chain& a, const Chain& b, const Span& right, const Span& ahead) const;
+    double lead_best(const Chain& a, const Chain& b, const Span& right) const;
+    Span look_ahead_span(const Situation& situation) const;
+    double effect_of_history(const Situation& a, const Situation& b) const;
     void advance(Context& context, OperatorId step, const OpenGoals& goals) const;
     // What a robot's step scores but for its look-ahead; `neighbour` is how the steps beside it see it.
     double step_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const;
@@ -134,6 +171,14 @@ private:
     Transitions factors_;  // exp of the transitions, the largest scaled to 1
     std::size_t num_schemas_;
     bool expected_, uses_returns_, uses_human_;
+    // What neighbours can say, in log odds of "inexplicable": the label before a step; the label after it, of a robot's step
+    // and of a human's, which is always explicable.
+    Span from_before_{}, from_robot_{};
+    double from_human_ = 0;
+    bool is_attractive_ = true;  // like labels like to stand together
+    double coupling_ = 0;        // how far a label can move the expectation of its neighbour's, all else fixed
+    double returns_least_ = 0, returns_effect_ = 0;
+    std::vector<Span> look_;  // schema of a step: its look-ahead features but for `outlook`
 };
 
 }  // namespace explicable

@@ -26,6 +26,9 @@ public:
         return {path.count, 0.0, static_cast<int>(path.num_steps + static_cast<std::int64_t>(relaxed_plan.size()))};
     }
     std::uint64_t closing_key(const std::byte*) const override { return 0; }
+    bool has_bounds() const override { return true; }
+    double least_count(const std::byte* context) const override { return read(context).count; }
+    double least_growth(const std::byte*, OperatorId step, const std::byte*) const override { return weights_[step]; }
 
 private:
     struct Context {

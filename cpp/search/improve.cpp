@@ -1,10 +1,11 @@
 #include "search/improve.hpp"
 
 #include <algorithm>
-#include <map>
 #include <stdexcept>
 
 #include "search/best_first.hpp"
+#include "search/hill_climbing.hpp"
+#include "search/outlook.hpp"
 #include "search/plan_check.hpp"
 #include "search/solve.hpp"
 #include "task/successor.hpp"
@@ -77,38 +78,44 @@ void improve_cost(const Question& question, const SearchOptions& options, Monito
     }
 }
 
-// Best-first by g + alpha * dist of the path + an admissible bound on the cost to go. A node is dropped once its cost
-// alone can't beat the best plan: what lies ahead might make earlier steps look better, so the count is no bound.
+constexpr double rounding = 1e-9;  // no plan counts as better that is better by less
+
+// A* for J: a node's bound is its cost, alpha times the inexplicable steps that its path will have at the least, and the least
+// that lies ahead (outlook.hpp). For a ratio, whose parts don't add up, the bound is of the cost alone.
 class ObjectiveSearch {
 public:
-    ObjectiveSearch(const Question& question, const SearchOptions& options, Closing closing, Incumbent& best)
+    ObjectiveSearch(const Question& question, const Incumbent& best, Closing closing, const Outlook& outlook, double weight)
         : question_(question),
-          best_(best),
-          nodes_(question.task, options.labelled.scorer, closing),
-          heuristic_(make_admissible(question, "lmcut")) {}
+          scorer_(*best.scorer),
+          price_(best.ratio ? 0.0 : best.alpha),
+          weight_(weight),
+          outlook_(outlook),
+          nodes_(question.task, best.scorer, closing, best.alpha) {}
 
-    // True if the best plan is optimal now.
-    bool run(Monitor& monitor) {
-        file(nodes_.add_root(question_.initial), monitor);
+    // Exhausted: the best plan is optimal, to within `gap` of its objective. Paused: the slice is used up.
+    Status run(Monitor& monitor, std::int64_t slice, double gap, Incumbent& best) {
+        const std::int64_t end = end_of_slice(monitor, slice);
+        if (nodes_.size() == 0) file(nodes_.add_root(question_.initial), monitor, best);
         while (!open_.empty()) {
-            if (!monitor.may_go_on([this] { return memory_bytes(); })) return false;
+            if (!monitor.may_go_on([this] { return memory_bytes(); })) return Status::stopped;
+            if (monitor.evaluations >= end) return Status::paused;
+            if (weight_ == 1.0 && lower_bound(best) >= (1.0 - gap) * best.objective) return Status::exhausted;
             const Open entry = open_.pop();
-            forget(entry.bound);
-            if (nodes_.is_dominated(entry.node) || entry.bound >= best_.objective) continue;
+            if (nodes_.is_dominated(entry.node) || entry.bound >= best.objective - rounding) continue;
             ++monitor.expansions;
             nodes_.state(entry.node, state_);
             question_.successors.applicable(state_, applicable_);
             for (const OperatorId step : applicable_) {
                 const auto arrival = nodes_.add(entry.node, step);
-                if (arrival.is_new) file(arrival.node, monitor);
+                if (arrival.is_new) file(arrival.node, monitor, best);
             }
         }
-        return true;
+        return Status::exhausted;
     }
-    double lower_bound() const { return bounds_.empty() ? best_.objective : std::min(bounds_.begin()->first, best_.objective); }
-    std::size_t memory_bytes() const {
-        return nodes_.memory_bytes() + open_.memory_bytes() + bounds_.size() * 64;
+    double lower_bound(const Incumbent& best) const {
+        return open_.empty() ? best.objective : std::min(open_.lowest().first, best.objective);
     }
+    std::size_t memory_bytes() const { return outlook_.memory_bytes() + nodes_.memory_bytes() + open_.memory_bytes(); }
 
 private:
     struct Open {
@@ -117,31 +124,68 @@ private:
     };
 
     const Question& question_;
-    Incumbent& best_;
+    const PathScorer& scorer_;
+    double price_, weight_;
+    const Outlook& outlook_;
     NodeStore nodes_;
-    std::unique_ptr<AdmissibleHeuristic> heuristic_;
     OpenList<Open> open_;
-    std::map<double, std::int64_t> bounds_;  // of the open nodes, with how many there are
     State state_, child_;
     std::vector<OperatorId> applicable_;
 
-    void file(NodeId node, Monitor& monitor) {
-        nodes_.state(node, child_);
+    void file(NodeId node, Monitor& monitor, Incumbent& best) {
         ++monitor.evaluations;
-        const double h = heuristic_->evaluate(child_);
-        if (h == dead_end) return;
-        const PathScore score{nodes_.path_count(node), 0.0, nodes_.path_steps(node)};
-        const double cost = static_cast<double>(nodes_.cost(node)), f = cost + best_.penalty(score);
-        if (f < best_.objective && question_.is_goal(child_)) best_.offer(nodes_.path(node), question_);
-        if (cost + h >= best_.objective) return;
-        open_.push({f + h, h}, {node, cost + h});
-        ++bounds_[cost + h];
-    }
-    void forget(double bound) {
-        const auto found = bounds_.find(bound);
-        if (--found->second == 0) bounds_.erase(found);
+        const double ahead = outlook_(nodes_.words(node), nodes_.context(node));
+        if (ahead == dead_end) return;
+        const auto cost = static_cast<double>(nodes_.cost(node));
+        const double penalty = best.penalty({nodes_.path_count(node), 0.0, nodes_.path_steps(node)});
+        if (cost + penalty < best.objective) {
+            nodes_.state(node, child_);
+            if (question_.is_goal(child_)) best.offer(nodes_.path(node), question_);
+        }
+        const double so_far = cost + price_ * scorer_.least_count(nodes_.context(node));
+        if (so_far + ahead >= best.objective - rounding) return;
+        open_.push({so_far + weight_ * ahead, best.ratio ? penalty : ahead}, {node, so_far + ahead});
     }
 };
+
+// Quick searches for a first good plan, each for so many evaluations.
+void try_quick_searches(const Question& question, const SearchOptions& options, Monitor& monitor, Incumbent& best) {
+    constexpr std::int64_t few = 2'000;
+    const LabelledOptions labelled{options.labelled.scorer, Closing::state};
+    BestFirstOptions eager;
+    eager.labelled = labelled;
+    eager.seed = options.seed;
+    HillClimbing climbing(question, labelled, options.seed);
+    BestFirstSearch best_first(question, std::move(eager));
+    for (Engine* engine : {static_cast<Engine*>(&climbing), static_cast<Engine*>(&best_first)}) {
+        if (engine->run(monitor, few) == Status::solved) best.offer(engine->plan(), question);
+    }
+}
+
+// Sweeps over what may lie ahead, then A*. Where the sweeps were too large to finish, searches that trust them more go first.
+void improve_objective(const Question& question, const SearchOptions& options, Monitor& monitor, Incumbent& best,
+                       SearchAnswer& answer) {
+    constexpr std::int64_t slice = 50'000;
+    try_quick_searches(question, options, monitor, best);
+    // Steps that cost nothing could dilute a ratio without end, so there lengths are ignored and nothing is proved.
+    const auto& cost = question.task.cost;
+    const bool can_dilute = best.ratio && std::find(cost.begin(), cost.end(), 0) != cost.end();
+    const Closing closing = !best.ratio  ? Closing::objective
+                            : can_dilute ? Closing::context
+                                         : Closing::context_and_length;
+    Outlook outlook(question, best.ratio ? nullptr : best.scorer, best.alpha);
+    if (!outlook.prepare(monitor, best.objective - rounding)) return;
+    if (!outlook.is_complete()) {
+        for (const double weight : {3.0, 1.5}) {
+            ObjectiveSearch(question, best, closing, outlook, weight).run(monitor, slice, options.gap, best);
+        }
+    }
+    ObjectiveSearch search(question, best, closing, outlook, 1.0);
+    search.run(monitor, std::numeric_limits<std::int64_t>::max(), options.gap, best);
+    if (can_dilute) return;
+    answer.lower_bound = search.lower_bound(best);
+    answer.is_optimal = answer.lower_bound >= best.objective - rounding;
+}
 
 }  // namespace
 
@@ -166,14 +210,7 @@ bool Incumbent::offer(std::vector<OperatorId> candidate, const Question& questio
 void improve(const Question& question, const SearchOptions& options, Monitor& monitor, Incumbent& best,
              SearchAnswer& answer) {
     if (!options.labelled.scorer) return improve_cost(question, options, monitor, best, answer);
-    // Steps that cost nothing could dilute a ratio without end, so there lengths are ignored and nothing is proved.
-    const auto& cost = question.task.cost;
-    const bool can_dilute = best.ratio && std::find(cost.begin(), cost.end(), 0) != cost.end();
-    const Closing closing = best.ratio && !can_dilute ? Closing::context_and_length : Closing::context;
-    ObjectiveSearch search(question, options, closing, best);
-    answer.is_optimal = search.run(monitor) && !can_dilute;
-    if (can_dilute) return;
-    answer.lower_bound = std::max(answer.lower_bound, search.lower_bound());
+    improve_objective(question, options, monitor, best, answer);
 }
 
 }  // namespace explicable

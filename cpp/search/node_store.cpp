@@ -12,6 +12,7 @@ namespace explicable {
 namespace {
 
 constexpr std::size_t alignment = alignof(std::max_align_t);
+constexpr double rounding = 1e-12;  // leads that are no larger are none
 
 std::size_t context_width(const PathScorer* scorer) {
     return scorer ? (std::max<std::size_t>(scorer->context_size(), 1) + alignment - 1) / alignment * alignment : alignment;
@@ -19,10 +20,11 @@ std::size_t context_width(const PathScorer* scorer) {
 
 }  // namespace
 
-NodeStore::NodeStore(const Task& task, const PathScorer* scorer, Closing closing)
+NodeStore::NodeStore(const Task& task, const PathScorer* scorer, Closing closing, double price)
     : task_(task),
       scorer_(scorer),
       closing_(scorer ? closing : Closing::state),
+      price_(price),
       packer_(task),
       registry_(packer_.num_words() + by_context()),
       contexts_(context_width(scorer)),
@@ -61,6 +63,16 @@ void NodeStore::extend(NodeId parent, OperatorId step, const Word* to) {
     scorer_->extend(contexts_.row(parent), step, before_, after_, context_.data());
 }
 
+bool NodeStore::dominates(const Rival& a, std::int64_t cost_a, const std::byte* context_a, const Rival& b,
+                          std::int64_t cost_b, const std::byte* context_b) const {
+    const auto saved = static_cast<double>(cost_b - cost_a);
+    if (closing_ == Closing::objective) {
+        return price_ > 0 ? price_ * scorer_->lead(context_a, context_b, after_) <= saved + rounding : saved >= 0;
+    }
+    return saved >= 0 && (closing_ != Closing::context_and_length || a.num_steps >= b.num_steps) &&
+           scorer_->lead(context_a, context_b, after_) <= rounding;
+}
+
 // Files what words_, context_ and after_ describe.
 NodeStore::Arrival NodeStore::insert_by_context(std::int64_t cost, NodeId parent, OperatorId step) {
     words_[packer_.num_words()] = scorer_->closing_key(context_.data());
@@ -69,12 +81,14 @@ NodeStore::Arrival NodeStore::insert_by_context(std::int64_t cost, NodeId parent
     const PathScore score = scorer_->score(context_.data(), after_, {});
     Rival rival{state, -1, score.num_inexplicable, score.num_steps, false};
     for (NodeId other = first_rival_[state]; other >= 0; other = rivals_[other].next) {
-        if (dominates(rivals_[other], nodes_.row(other)->cost, rival, cost)) return {other, false, false};
+        if (dominates(rivals_[other], nodes_.row(other)->cost, contexts_.row(other), rival, cost, context_.data())) {
+            return {other, false, false};
+        }
     }
     NodeId* link = &first_rival_[state];
     while (*link >= 0) {
         Rival& other = rivals_[*link];
-        if (dominates(rival, cost, other, nodes_.row(*link)->cost)) {
+        if (dominates(rival, cost, context_.data(), other, nodes_.row(*link)->cost, contexts_.row(*link))) {
             other.dominated = true;
             *link = other.next;
         } else {

@@ -15,14 +15,15 @@ namespace explicable {
 
 using NodeId = std::int32_t;
 
-// When are two nodes the same? With `state`, there is one node a state. With `context`, nodes must also agree in what the
-// scorer still needs to know of the path; among such, those survive that are not dominated in (cost, inexplicable steps). With
-// `context_and_length` a node dominates only shorter paths: a longer one dilutes the share of inexplicable steps.
-enum class Closing { state, context, context_and_length };
+// When are two nodes the same? With `state`, there is one node a state. With `context`, nodes must also agree in the scorer's
+// closing key; among such, a node is dominated by one that costs no more and, whatever follows, has no more inexplicable steps.
+// With `context_and_length` it must have no fewer steps either: a longer path dilutes the share of inexplicable steps. With
+// `objective` a node is dominated by one whose cost + price * inexplicable steps is no higher, whatever follows.
+enum class Closing { state, context, context_and_length, objective };
 
 class NodeStore {
 public:
-    NodeStore(const Task& task, const PathScorer* scorer, Closing closing);
+    NodeStore(const Task& task, const PathScorer* scorer, Closing closing, double price = 0.0);
 
     NodeId add_root(const State& state, const std::byte* context = nullptr);
 
@@ -35,6 +36,7 @@ public:
     void reparent(NodeId node, NodeId parent, OperatorId step);
 
     void state(NodeId node, State& state) const;
+    const Word* words(NodeId node) const { return registry_[by_context() ? rivals_[node].state : node]; }  // packed state
     std::int64_t cost(NodeId node) const { return nodes_.row(node)->cost; }
     const std::byte* context(NodeId node) const { return contexts_.row(node); }
     bool is_dominated(NodeId node) const { return by_context() && rivals_[node].dominated; }
@@ -68,6 +70,7 @@ private:
     const Task& task_;
     const PathScorer* scorer_;
     Closing closing_;
+    double price_;
     StatePacker packer_;
     StateRegistry registry_;  // of states, or of states with closing keys
     Rows<Node> nodes_;
@@ -80,13 +83,8 @@ private:
     NodeId parent_before_ = -1;  // whose state before_ is
 
     bool by_context() const { return closing_ != Closing::state; }
-    bool dominates(const Rival& a, std::int64_t cost_a, const Rival& b, std::int64_t cost_b) const {
-        return cost_a <= cost_b && a.count <= b.count &&
-               (closing_ != Closing::context_and_length || a.num_steps >= b.num_steps);
-    }
-    const Word* words(NodeId node) const {
-        return registry_[by_context() ? rivals_[node].state : node];
-    }
+    bool dominates(const Rival& a, std::int64_t cost_a, const std::byte* context_a, const Rival& b, std::int64_t cost_b,
+                   const std::byte* context_b) const;
     void unpack(const Word* words, State& state) const;
     NodeId append(std::int64_t cost, NodeId parent, OperatorId step);
     void extend(NodeId parent, OperatorId step, const Word* to);

@@ -27,8 +27,24 @@ public:
                         std::byte* context) const = 0;
     virtual PathScore score(const std::byte* context, const State& state,
                             std::span<const OperatorId> relaxed_plan) const = 0;
-    // Equal keys: the two contexts score every continuation alike (up to a constant count).
+    // Contexts with equal keys are comparable by `lead`.
     virtual std::uint64_t closing_key(const std::byte* context) const = 0;
+    // At most so many more steps are inexplicable after `a` than after `b`, whatever follows both; infinite if not known.
+    // Both contexts belong to `state` and have equal closing keys. By default all continuations score alike.
+    virtual double lead(const std::byte* a, const std::byte* b, const State& state) const {
+        return score(a, state, {}).num_inexplicable - score(b, state, {}).num_inexplicable;
+    }
+
+    // Lower bounds. For every plan through a context, the number of inexplicable steps is at least `least_count` of it, and
+    // `least_growth` of all further extensions, and `least_end` of the last context. All are 0 where nothing is known.
+    virtual bool has_bounds() const { return false; }
+    virtual double least_count(const std::byte*) const { return 0.0; }
+    virtual double least_growth(const std::byte* /*parent*/, OperatorId /*step*/, const std::byte* /*child*/) const { return 0.0; }
+    virtual double least_end(const std::byte*) const { return 0.0; }
+    // Contexts with equal outlook keys have like bounds on what lies ahead. `widen` lets `context` stand for `other` too: from
+    // then on `least_growth` and `least_end` of it, and of what extends it, are lower bounds for both.
+    virtual std::uint64_t outlook_key(const std::byte*) const { return 0; }
+    virtual void widen(std::byte* /*context*/, const std::byte* /*other*/) const {}
 };
 
 }  // namespace explicable

@@ -100,7 +100,10 @@ SearchAnswer solve(const Question& question, const SearchOptions& options, Monit
     SearchAnswer answer;
     Incumbent best{options.labelled.scorer, options.alpha, options.ratio};
     try {
-        const Solver solver(question, options);
+        SearchOptions first = options;
+        // A first plan is wanted soon; the search that improves it has its own way of closing nodes.
+        if (options.algorithm == "anytime") first.labelled.closing = Closing::state;
+        const Solver solver(question, first);
         find_plan(question, *solver.engine(), monitor, best, answer);
         answer.is_optimal = best.plan && options.algorithm == "astar";
         if (options.algorithm == "anytime" && best.plan && monitor.stop() == Stop::none) {

@@ -20,6 +20,7 @@ struct SearchOptions {
     LabelledOptions labelled;
     double alpha = 0.0;  // "anytime" with a scorer minimises cost + alpha * dist
     bool ratio = false;  // dist is the share of inexplicable steps, not their number
+    double gap = 0.0;    // "anytime" with a scorer ends once no plan can be better by more than this share
 };
 
 enum class Outcome { solved, unsolvable, limit, interrupted };

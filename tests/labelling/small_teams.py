@@ -2,6 +2,8 @@
 
 from explicable.first_response.encoding import encode
 from explicable.first_response.world import parse_map
+from explicable.labelling.crf import ConditionalRandomField
+from explicable.labelling.labeller import CLASSES, Labeller
 from explicable.labelling.traces import LabelledStep, Trace
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
@@ -79,3 +81,16 @@ def random_trace(problem, rng, num_steps, annotator="anna", team=None):
         label = [True, False, None][rng.integers(3)]
         steps.append(LabelledStep(problem.agent_of(action).name, action, label))
     return Trace(problem, tuple(steps), annotator, "simulated")
+
+
+def random_labeller(team, rng, rounds=20):
+    """A labeller with a random weight for every feature that random walks with random tails meet."""
+    names = set()
+    for _ in range(rounds):
+        operators, states = walk(team.task, rng, 12)
+        tail = rng.integers(team.task.num_operators, size=6).tolist()
+        names.update(*team.extract(operators + tail, states))
+    features = sorted(names)
+    weights = rng.normal(size=(len(features), 2))
+    model = ConditionalRandomField.from_weights(CLASSES, features, weights, rng.normal(size=(2, 2)))
+    return Labeller(model, schemas=team.schemas)

@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from small_teams import problems, walk
+from small_teams import problems, random_labeller, walk
 
 from explicable import _core
-from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
-from explicable.labelling.labeller import CLASSES, Labeller
 from explicable.model.grounding import ground_team
 
 
@@ -23,19 +21,6 @@ def extend_all(scorer, operators, states):
     for operator, before, after in zip(operators, states[:-1], states[1:], strict=True):
         context = scorer.extend(context, operator, before, after)
     return context
-
-
-def random_labeller(team, rng, rounds=20):
-    """A labeller with a random weight for every feature that random walks with random tails meet."""
-    names = set()
-    for _ in range(rounds):
-        operators, states = walk(team.task, rng, 12)
-        tail = rng.integers(team.task.num_operators, size=6).tolist()
-        names.update(*team.extract(operators + tail, states))
-    features = sorted(names)
-    weights = rng.normal(size=(len(features), 2))
-    model = ConditionalRandomField.from_weights(CLASSES, features, weights, rng.normal(size=(2, 2)))
-    return Labeller(model, schemas=team.schemas)
 
 
 def from_scratch(labeller, team, operators, states, *, expected):
@@ -67,28 +52,64 @@ def test_scores_equal_scores_from_scratch(team, expected, seed):
             assert (count, variance) == pytest.approx(oracle, abs=1e-9)
 
 
-@pytest.mark.parametrize("expected", [True, False])
-def test_equal_closing_keys_score_every_continuation_alike(team, expected):
-    rng = np.random.default_rng(7)
-    scorer = random_labeller(team, rng).scorer(team, expected=expected)
+def alike(team, scorer, key, rng, num_walks=3000):
+    """Contexts of random walks that agree in state and key, in groups of several."""
     groups = {}
-    for _ in range(4000):
-        operators, states = walk(team.task, rng, int(rng.integers(1, 7)))
+    for _ in range(num_walks):
+        operators, states = walk(team.task, rng, int(rng.integers(1, 9)))
         context = extend_all(scorer, operators, states)
-        group = groups.setdefault((scorer.closing_key(context), states[-1]), {})
-        group[tuple(operators)] = context
-    num_merged = 0
-    for (_, state), group in groups.items():
-        contexts = list(group.values())
-        for other in contexts[1:]:
-            num_merged += 1
-            differences = []
-            for _ in range(5):
+        groups.setdefault((key(context), states[-1]), {})[context] = None
+    return [(state, list(group)) for (_, state), group in groups.items() if len(group) > 1]
+
+
+@pytest.mark.parametrize("expected", [True, False])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_no_continuation_exceeds_the_lead(team, expected, seed):
+    rng = np.random.default_rng(seed)
+    scorer = random_labeller(team, rng).scorer(team, expected=expected)
+    num_bounded = 0
+    for state, (a, *others) in alike(team, scorer, scorer.closing_key, rng):
+        assert scorer.lead(a, a, state) == 0
+        for b in others:
+            lead = scorer.lead(a, b, state)
+            num_bounded += lead < np.inf
+            for _ in range(8):
                 tail = rng.integers(team.task.num_operators, size=rng.integers(6)).tolist()
-                first, second = (scorer.score(context, state, tail)[0] for context in (contexts[0], other))
-                differences.append(second - first)
-            assert np.ptp(differences) < 1e-4  # keys are rounded to about a millionth
-    assert num_merged > 0
+                assert scorer.score(a, state, tail)[0] - scorer.score(b, state, tail)[0] <= lead + 1e-9
+    assert num_bounded > 0
+
+
+@pytest.mark.parametrize("expected", [True, False])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_lower_bounds_add_up_to_no_more_than_the_count(team, expected, seed):
+    rng = np.random.default_rng(seed)
+    scorer = random_labeller(team, rng).scorer(team, expected=expected)
+    bounds = []
+    for state, contexts in alike(team, scorer, scorer.outlook_key, rng, num_walks=1500):
+        outlook = contexts[0]
+        for context in contexts:  # the first stands for all
+            outlook = scorer.widen(outlook, context)
+        for exact in contexts[:3]:
+            seen, ahead = exact, outlook
+            bound = scorer.least_count(exact)
+            before = state
+            for _ in range(int(rng.integers(8))):
+                applicable = team.task.applicable(before)
+                if not applicable:
+                    break
+                step = int(rng.choice(applicable))
+                after = team.task.successor(before, step)
+                wider = scorer.extend(ahead, step, before, after)
+                wider = scorer.widen(wider, wider)
+                bound += scorer.least_growth(ahead, step, wider)
+                seen, ahead, before = scorer.extend(seen, step, before, after), wider, after
+                assert scorer.outlook_key(seen) == scorer.outlook_key(ahead)
+            bound += scorer.least_end(ahead)
+            count = scorer.score(seen, before, [])[0]
+            assert bound <= count + 1e-9
+            bounds.append((bound, count))
+    totals = np.sum(bounds, axis=0)
+    assert totals[0] > 0.2 * totals[1]
 
 
 def test_history_is_the_beginning_of_every_path(team):

@@ -1,0 +1,195 @@
+#include "search/outlook.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <queue>
+
+#include "search/open_list.hpp"
+#include "task/successor.hpp"
+
+namespace explicable {
+
+namespace {
+
+constexpr std::int32_t max_states = 100'000, max_places = 400'000;
+
+std::size_t padded(std::size_t size) {
+    constexpr std::size_t alignment = alignof(std::max_align_t);
+    return (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment;
+}
+
+}  // namespace
+
+// Dijkstra's algorithm, backwards.
+void StepGraph::sweep(std::vector<double>& ahead) const {
+    std::vector<std::int32_t> first(ahead.size() + 1, 0), into(edges.size());
+    for (const Edge& edge : edges) ++first[edge.to + 1];
+    for (std::size_t place = 0; place < ahead.size(); ++place) first[place + 1] += first[place];
+    std::vector<std::int32_t> next(first.begin(), first.end() - 1);
+    for (std::size_t edge = 0; edge < edges.size(); ++edge) into[next[edges[edge].to]++] = static_cast<std::int32_t>(edge);
+
+    using Entry = std::pair<double, std::int32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    for (std::size_t place = 0; place < ahead.size(); ++place) {
+        if (ahead[place] < dead_end) queue.emplace(ahead[place], static_cast<std::int32_t>(place));
+    }
+    while (!queue.empty()) {
+        const auto [value, place] = queue.top();
+        queue.pop();
+        if (value > ahead[place]) continue;
+        for (std::int32_t i = first[place]; i < first[place + 1]; ++i) {
+            const Edge& edge = edges[into[i]];
+            if (value + edge.weight >= ahead[edge.from]) continue;
+            ahead[edge.from] = value + edge.weight;
+            queue.emplace(ahead[edge.from], edge.from);
+        }
+    }
+}
+
+CostToGo::CostToGo(const Question& question, const StatePacker& packer)
+    : question_(question), packer_(packer), states_(packer.num_words()) {}
+
+void CostToGo::list(Monitor& monitor, std::int32_t limit) {
+    std::vector<Word> words(packer_.num_words());
+    std::vector<OperatorId> applicable;
+    StepGraph graph;
+    packer_.pack(question_.initial, words.data());
+    states_.insert(words.data());
+    std::vector<double> costs;
+    std::int32_t next = 0;
+    for (; next < states_.size() && states_.size() <= limit; ++next) {
+        if (!monitor.may_go_on([&] { return states_.memory_bytes() + graph.edges.capacity() * sizeof(StepGraph::Edge); })) break;
+        const State state = packer_.unpack(states_[next]);
+        costs.push_back(question_.is_goal(state) ? 0.0 : dead_end);
+        question_.successors.applicable(state, applicable);
+        for (const OperatorId step : applicable) {
+            apply(question_.task, packer_, step, states_[next], words.data());
+            const StateId to = states_.insert(words.data()).first;
+            if (to != next) graph.edges.push_back({next, to, step, static_cast<double>(question_.task.cost[step])});
+        }
+    }
+    if (next < states_.size()) {
+        states_ = StateRegistry(packer_.num_words());
+        heuristic_ = make_admissible(question_, "lmcut");
+        return;
+    }
+    graph.sweep(costs);
+    costs_ = std::move(costs);
+}
+
+double CostToGo::operator()(const Word* words) const {
+    if (!costs_.empty()) return costs_[states_.find(words)];
+    return heuristic_->evaluate(packer_.unpack(words));
+}
+
+std::size_t CostToGo::memory_bytes() const { return states_.memory_bytes() + costs_.capacity() * sizeof(double); }
+
+Outlook::Outlook(const Question& question, const PathScorer* scorer, double alpha)
+    : question_(question),
+      scorer_(scorer && scorer->has_bounds() && alpha > 0.0 ? scorer : nullptr),
+      alpha_(alpha),
+      packer_(question.task),
+      cost_to_go_(question, packer_),
+      places_(packer_.num_words() + 1),
+      contexts_(padded(scorer_ ? scorer_->context_size() : 0)),
+      key_(packer_.num_words() + 1) {}
+
+bool Outlook::prepare(Monitor& monitor, double bound) {
+    cost_to_go_.list(monitor, max_states);
+    if (monitor.stop() != Stop::none) return false;
+    is_complete_ = cost_to_go_.is_exact() && !scorer_;
+    // Without exact costs, contexts are more than can be listed too.
+    if (!scorer_ || !cost_to_go_.is_exact()) return true;
+    if (!list(monitor, bound)) return false;
+    weigh();
+    graph_.sweep(ahead_);
+    graph_.edges = {};
+    return true;
+}
+
+// A*, by costs alone; of the contexts with one outlook key the first stands for all, widened by the others.
+bool Outlook::list(Monitor& monitor, double bound) {
+    const std::size_t size = scorer_->context_size();
+    std::vector<std::byte> context(size);
+    std::vector<Word> words(packer_.num_words());
+    std::vector<OperatorId> applicable;
+    std::vector<double> costs;
+    std::vector<bool> is_closed;
+    OpenList<std::int32_t> open;
+
+    // The place's number, or -1 if no better plan leads through it.
+    const auto arrive = [&](const Word* state, double cost) {
+        const double least = cost + cost_to_go_(state);
+        if (least >= bound) return -1;
+        const auto [place, is_new] = places_.insert(with_key(state, context.data()));
+        if (is_new) {
+            std::memcpy(contexts_.append(), context.data(), size);
+            costs.push_back(dead_end);
+            is_closed.push_back(false);
+            ahead_.push_back(dead_end);
+        }
+        scorer_->widen(contexts_.row(place), context.data());
+        if (cost < costs[place] && !is_closed[place]) {
+            costs[place] = cost;
+            open.push({least, 0.0}, place);
+        }
+        return place;
+    };
+
+    packer_.pack(question_.initial, words.data());
+    scorer_->root(question_.initial, context.data());
+    arrive(words.data(), 0.0);
+    while (!open.empty() && places_.size() <= max_places) {
+        if (!monitor.may_go_on([this] { return memory_bytes(); })) return false;
+        const std::int32_t place = open.pop();
+        if (is_closed[place]) continue;
+        is_closed[place] = true;
+        const State before = packer_.unpack(places_[place]);
+        question_.successors.applicable(before, applicable);
+        for (const OperatorId step : applicable) {
+            apply(question_.task, packer_, step, places_[place], words.data());
+            const State after = packer_.unpack(words.data());
+            scorer_->extend(contexts_.row(place), step, before, after, context.data());
+            const double cost = question_.task.cost[step];
+            const std::int32_t to = arrive(words.data(), costs[place] + cost);
+            if (to >= 0) graph_.edges.push_back({place, to, step, cost});
+            else ahead_[place] = std::min(ahead_[place], cost + cost_to_go_(words.data()));
+        }
+    }
+    is_complete_ = open.empty();
+    for (std::int32_t place = 0; place < places_.size(); ++place) {
+        if (!is_closed[place]) ahead_[place] = cost_to_go_(places_[place]);
+    }
+    return true;
+}
+
+// Now that all contexts of a key have been seen, the bounds hold for all of them.
+void Outlook::weigh() {
+    for (auto& edge : graph_.edges) {
+        edge.weight += alpha_ * scorer_->least_growth(contexts_.row(edge.from), edge.step, contexts_.row(edge.to));
+    }
+    for (std::int32_t place = 0; place < places_.size(); ++place) {
+        if (cost_to_go_(places_[place]) > 0.0 || !question_.is_goal(packer_.unpack(places_[place]))) continue;
+        ahead_[place] = std::min(ahead_[place], alpha_ * scorer_->least_end(contexts_.row(place)));
+    }
+}
+
+const Word* Outlook::with_key(const Word* words, const std::byte* context) const {
+    std::copy_n(words, packer_.num_words(), key_.data());
+    key_.back() = scorer_->outlook_key(context);
+    return key_.data();
+}
+
+double Outlook::operator()(const Word* words, const std::byte* context) const {
+    if (!scorer_ || ahead_.empty()) return cost_to_go_(words);
+    const StateId place = places_.find(with_key(words, context));
+    return place >= 0 ? ahead_[place] : cost_to_go_(words);
+}
+
+std::size_t Outlook::memory_bytes() const {
+    return cost_to_go_.memory_bytes() + places_.memory_bytes() + contexts_.memory_bytes() +
+           graph_.edges.capacity() * sizeof(StepGraph::Edge) + ahead_.capacity() * sizeof(double);
+}
+
+}  // namespace explicable

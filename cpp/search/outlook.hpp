@@ -1,0 +1,83 @@
+// What lies ahead at the least, by sweeps over all states, or contexts, that can be reached in a task that is small enough.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "search/engine.hpp"
+#include "search/heuristics.hpp"
+#include "search/path_scorer.hpp"
+#include "search/rows.hpp"
+#include "task/packed_state.hpp"
+#include "task/state_registry.hpp"
+
+namespace explicable {
+
+// Steps between numbered places, with weights.
+class StepGraph {
+public:
+    struct Edge {
+        std::int32_t from, to;
+        OperatorId step;
+        double weight;
+    };
+    std::vector<Edge> edges;
+
+    // In: the least of what it costs to end in each place, or to leave the graph there. Out: the least of all that lies ahead.
+    void sweep(std::vector<double>& ahead) const;
+};
+
+// Exact costs to the goal where all reachable states could be listed, else an admissible heuristic.
+class CostToGo {
+public:
+    CostToGo(const Question& question, const StatePacker& packer);
+    // Lists states until there are more than `max_states`, or the monitor stops.
+    void list(Monitor& monitor, std::int32_t max_states);
+    double operator()(const Word* words) const;
+    bool is_exact() const { return !costs_.empty(); }
+    std::size_t memory_bytes() const;
+
+private:
+    const Question& question_;
+    const StatePacker& packer_;
+    StateRegistry states_;
+    std::vector<double> costs_;
+    std::unique_ptr<AdmissibleHeuristic> heuristic_;
+};
+
+// Lower bounds of cost + alpha * inexplicable steps from a context to the goal: the scorer's bounds for single steps, summed
+// along the best continuation. Contexts that were not listed get their cost-to-go.
+class Outlook {
+public:
+    // Without a scorer: of the cost alone.
+    Outlook(const Question& question, const PathScorer* scorer, double alpha);
+
+    // Lists contexts through which a plan may have a lower objective than `bound`; returns false if the monitor stopped.
+    bool prepare(Monitor& monitor, double bound);
+
+    // `words`: the packed state.
+    double operator()(const Word* words, const std::byte* context) const;
+    std::size_t memory_bytes() const;
+    bool is_complete() const { return is_complete_; }
+
+private:
+    const Question& question_;
+    const PathScorer* scorer_;
+    double alpha_;
+    StatePacker packer_;
+    CostToGo cost_to_go_;
+    StateRegistry places_;  // states with outlook keys
+    Rows<std::byte> contexts_;
+    StepGraph graph_;
+    std::vector<double> ahead_;
+    mutable std::vector<Word> key_;
+    bool is_complete_ = false;
+
+    const Word* with_key(const Word* words, const std::byte* context) const;
+    bool list(Monitor& monitor, double bound);
+    void weigh();
+};
+
+}  // namespace explicable
