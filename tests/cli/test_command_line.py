@@ -1,6 +1,7 @@
 """The command line as a user types it: real processes, real files."""
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -149,6 +150,20 @@ def test_one_message_and_a_documented_exit_code(place, arguments, code, message)
     assert done.out == ""
 
 
+def test_a_human_model_without_a_way_to_the_goal_is_told_of_and_can_be_ignored(place):
+    believed = (place / "task/human-problem.pddl").read_text()
+    (place / "no-way.pddl").write_text(re.sub(r"\(clear [^)]*\)", "", believed))
+    human = ["--human-domain", "task/human-domain.pddl", "--human-problem", "no-way.pddl"]
+    for labeller in ([], ["--labeller", "labeller.json"]):
+        warned = explicable("plan", *TASK, *human, *labeller, cwd=place)
+        assert warned.code == SOLVED
+        assert warned.err.startswith("explicable: warning: in the human model the goal can't be reached")
+        assert len(warned.err.splitlines()) == 1
+        ignored = explicable("plan", *TASK, *human, *labeller, "--ignore-human", cwd=place)
+        assert (ignored.code, ignored.err) == (SOLVED, "")
+    assert plan_as_json(place)["outcome"] == "solved"  # no word of it where there is a way
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -174,7 +189,7 @@ def test_a_damaged_trace_or_labeller_is_named_with_its_line(place, tmp_path):
     traces = (place / "traces.jsonl").read_text().splitlines(keepends=True)
     (tmp_path / "traces.jsonl").write_text(traces[0] + traces[1][:-50] + "\n")
     labeller = (place / "labeller.json").read_text()
-    (tmp_path / "labeller.json").write_text(labeller.replace('"c2": 0.3', '"c2": 0.4'))
+    (tmp_path / "labeller.json").write_text(labeller.replace('"c2": 1.0', '"c2": 0.4'))
     trained = explicable("train", "traces.jsonl", "-o", "new.json", cwd=tmp_path)
     assert trained.code == BAD_INPUT
     assert trained.err.startswith("explicable: traces.jsonl:2:")

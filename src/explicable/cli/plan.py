@@ -35,6 +35,7 @@ SCORES = ("f_paper", "f_robot", "f_expected")
     type=click.Choice(["default", "ff", "lazy", "eager", "bfws", "astar", "wastar", "anytime"]),
     help="Search algorithm (docs/planning.md). Default: the best known for the planner.",
 )
+@click.option("--ignore-human", is_flag=True, help="Plan as if the person saw the task as it is.")
 @click.option("--time-limit", type=click.FloatRange(min=0), help="Seconds that the search may take.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Breaks ties.")
 @click.option("-o", "--output", type=OUTPUT_FILE, help="Write the plan to this file.")
@@ -45,6 +46,7 @@ def plan(
     planner: str | None,
     alpha: float,
     algorithm: "Algorithm | None",
+    ignore_human: bool,
     time_limit: float | None,
     seed: int,
     output: Path | None,
@@ -58,6 +60,7 @@ def plan(
     from explicable.model.files import write_whole
     from explicable.model.grounding import ground_team
     from explicable.model.plan import format_plan
+    from explicable.model.team import TeamProblem
     from explicable.planning import check_alpha, plan_classically, plan_explicably
 
     check_alpha(alpha)
@@ -73,9 +76,17 @@ def plan(
 
     started = time.perf_counter()
     problem = paths.read()
+    if ignore_human:
+        problem = TeamProblem(problem.composite)
     read = time.perf_counter()
     team_task = ground_team(problem)
     grounded = time.perf_counter()
+    if problem.human is not None and not team_task.mental.goal_reachable:
+        click.echo(
+            "explicable: warning: in the human model the goal can't be reached, so the person expects no"
+            " plan; --ignore-human plans without that model",
+            err=True,
+        )
     if labeller is None or planner == "ff":
         result = plan_classically(
             team_task, labeller=labeller, algorithm=algorithm or "default", time_limit_s=time_limit, seed=seed
