@@ -254,6 +254,7 @@ def test_every_command_explains_itself():
         ["plan"],
         ["demo"],
         ["explain"],
+        ["tell"],
         ["measure"],
         ["rank"],
         ["train"],

@@ -9,7 +9,7 @@ import pytest
 from explicable.first_response.encoding import encode
 from explicable.first_response.world import parse_map
 from explicable.labelling import LabelledStep, Trace, problem_texts, write_traces
-from explicable.model.plan import format_plan
+from explicable.model.plan import format_plan, parse_plan
 from planning.floors import DETOUR, command, judge_of_progress, moves, visit
 
 SHORT = [command(1, 3), *moves((1, 1), (1, 2), (1, 3)), visit(1, 3)]
@@ -23,8 +23,10 @@ HUMAN = ["--human-domain", "human-domain.pddl", "--human-problem", "human-proble
 def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("plans")
     problem = encode(parse_map(DETOUR))
-    for part, text in problem_texts(problem).items():
-        (folder / f"{part.replace('_', '-')}.pddl").write_text(text)
+    (folder / "exclusive").mkdir()
+    for subfolder, one in ((folder, problem), (folder / "exclusive", encode(parse_map(DETOUR), "exclusive"))):
+        for part, text in problem_texts(one).items():
+            (subfolder / f"{part.replace('_', '-')}.pddl").write_text(text)
     for name, plan in (("short", SHORT), ("long", LONG), ("late", LATE)):
         (folder / f"{name}.plan").write_text(format_plan(plan, len(plan)))
     steps = tuple(LabelledStep(problem.agent_of(action).name, action) for action in LONG)
@@ -100,12 +102,34 @@ def test_explain_says_what_the_person_does_not_know(place):
     assert (step["finding"], step["told"]) == ("explained", ["(clear c-1-2) does not hold"])
 
 
+def test_tell_puts_what_to_tell_into_the_plan(place):
+    cheap = ["--alpha", "20", "--telling-cost", "0.1"]
+    options = [*TEAM, *HUMAN, "--seed", "1"]
+    done = explicable(place, "tell", "labeller.json", *exclusive(options), *cheap)
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert "; tell: (clear c-1-2) does not hold" in lines
+    assert parse_plan(done.stdout)[-1] == visit(1, 3)
+    done = explicable(place, "tell", "labeller.json", *exclusive(options), *cheap, "--json")
+    record = json.loads(done.stdout)
+    assert lines[record["before_step"]].startswith("; tell")
+    assert record["objective"] < record["objective_untold"]
+    assert record["is_complete"]
+    dear = explicable(place, "tell", "labeller.json", *exclusive(options), "--telling-cost", "99")
+    assert "tell" not in dear.stdout
+
+
+def exclusive(arguments):
+    return [f"exclusive/{name}" if name.endswith(".pddl") else name for name in arguments]
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
         (["rank", "labeller.json", *TEAM, "short.plan", *HUMAN], 3, ""),
         (["rank", "labeller.json", *TEAM, "long.plan", "--alpha", "nan"], 2, "alpha"),
         (["rank", "labeller.json", *TEAM], 2, "PLAN"),
+        (["tell", "labeller.json", *TEAM, "--telling-cost", "-1"], 2, "telling"),
         (["measure", *TEAM, "short.plan", *HUMAN], 3, "step 2"),
         (["measure", *TEAM, "problem.pddl", *HUMAN], 3, "problem.pddl:1"),
         (["measure", *TEAM, "long.plan", "--temperature", "0"], 2, "temperature"),

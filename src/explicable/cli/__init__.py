@@ -32,6 +32,7 @@ COMMANDS = {
     "train": "explicable.cli.labels",
     "label": "explicable.cli.labels",
     "explain": "explicable.cli.explain",
+    "tell": "explicable.cli.explain",
     "measure": "explicable.cli.measures",
     "rank": "explicable.cli.measures",
     "traces": "explicable.cli.labels",

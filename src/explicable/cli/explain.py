@@ -1,4 +1,4 @@
-"""`explicable explain`: why a plan's steps are expected or not, and what the person would have to know."""
+"""`explicable explain` and `tell`: what the person would have to know to expect a plan, and telling it."""
 
 import json
 from pathlib import Path
@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from explicable.cli.files import INPUT_FILE, TeamProblemPaths, team_problem_arguments
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
-    from explicable.planning import StepExplanation
+    from explicable.planning import StepExplanation, ToldPlan
 
 
 @click.command()
@@ -76,4 +76,96 @@ def describe_step(step: "StepExplanation") -> dict[str, Any]:
         "told": [str(difference) for difference in step.told],
         "probability_told": step.probability_told,
         "size_tried": step.size_tried,
+    }
+
+
+@click.command()
+@click.argument("labeller_file", metavar="LABELLER", type=INPUT_FILE)
+@team_problem_arguments
+@click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
+@click.option(
+    "--telling-cost", type=float, default=1.0, show_default=True, help="Price of telling one difference."
+)
+@click.option(
+    "--max-told",
+    type=click.IntRange(min=0),
+    default=2,
+    show_default=True,
+    help="Most differences that are tried together.",
+)
+@click.option(
+    "--time-limit", type=click.FloatRange(min=0), default=10.0, show_default=True, help="Seconds for it all."
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Breaks ties.")
+@click.option("-o", "--output", type=OUTPUT_FILE, help="Write the plan to this file.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of the plan.")
+def tell(
+    paths: TeamProblemPaths,
+    labeller_file: Path,
+    alpha: float,
+    telling_cost: float,
+    max_told: int,
+    time_limit: float,
+    seed: int,
+    output: Path | None,
+    as_json: bool,
+) -> int:
+    """Plan as the person expects, or tell them what they don't know: whichever is cheaper.
+
+    What to tell stands in the plan as a comment, before the step at which it is due.
+    """
+    from explicable.cli.plan import exit_code
+    from explicable.labelling import Labeller
+    from explicable.model.files import write_whole
+    from explicable.model.grounding import ground_team
+    from explicable.planning import conform_or_explain
+
+    labeller = Labeller.load(labeller_file)
+    result = conform_or_explain(
+        ground_team(paths.read()),
+        labeller,
+        alpha=alpha,
+        telling_cost=telling_cost,
+        max_told=max_told,
+        time_limit_s=time_limit,
+        seed=seed,
+    )
+    text = format_told(result)
+    if output and text:
+        write_whole(output, text)
+    if as_json:
+        click.echo(json.dumps(describe_told(result)))
+    elif text and not output:
+        click.echo(text, nl=False)
+    elif not text:
+        click.echo(f"no plan: {result.outcome.value}", err=True)
+    return exit_code(result)
+
+
+def format_told(result: "ToldPlan") -> str:
+    """The plan in the competition's format, with comments for what is told; empty if there is none."""
+    if result.plan is None:
+        return ""
+    lines = [format_action(action) for action in result.plan.actions]
+    if result.before_step is not None:
+        lines[result.before_step : result.before_step] = [
+            f"; tell: {difference}" for difference in result.told
+        ]
+    return "\n".join([*lines, f"; cost = {result.plan.cost}"]) + "\n"
+
+
+def describe_told(result: "ToldPlan") -> dict[str, Any]:
+    """The object that `tell --json` prints."""
+    plan = result.plan
+    return {
+        "outcome": result.outcome.value,
+        "plan": None if plan is None else [format_action(action) for action in plan.actions],
+        "agents": None if plan is None else [step.agent for step in plan.steps],
+        "cost": None if plan is None else plan.cost,
+        "told": [str(difference) for difference in result.told],
+        "before_step": result.before_step,
+        "probabilities": result.probabilities,
+        "objective": result.objective,
+        "objective_untold": result.objective_untold,
+        "is_complete": result.is_complete,
     }

@@ -11,7 +11,7 @@ from explicable.cli import EXIT_INTERRUPTED, EXIT_LIMIT, EXIT_UNSOLVABLE
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
 
 if TYPE_CHECKING:
-    from explicable.planning import TeamPlan
+    from explicable.planning import TeamPlan, ToldPlan
     from explicable.search import Algorithm
 
 SCORES = ("f_paper", "f_robot", "f_expected")
@@ -132,7 +132,7 @@ def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:
     }
 
 
-def exit_code(result: "TeamPlan") -> int:
+def exit_code(result: "TeamPlan | ToldPlan") -> int:
     """Exit code of a plan's outcome; a plan in hand is success, however the search ended."""
     from explicable.search import Outcome
 

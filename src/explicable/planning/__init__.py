@@ -13,6 +13,7 @@ from explicable.planning.planner import (
 )
 from explicable.planning.predictions import HumanModel, PredictedSteps
 from explicable.planning.rank import RankedPlan, rank
+from explicable.planning.telling import ToldPlan, conform_or_explain
 
 __all__ = [
     "Difference",
@@ -23,7 +24,9 @@ __all__ = [
     "RankedPlan",
     "StepExplanation",
     "TeamPlan",
+    "ToldPlan",
     "check_alpha",
+    "conform_or_explain",
     "correct",
     "explain",
     "find_differences",

@@ -186,7 +186,7 @@ def recognise(
 
     With S the initial state, Q the state after the first t of N steps, both in the mental model, C the cost
     of those steps there, and T the temperature (Dragan, Lee & Srinivasa, "Legibility and predictability of
-    robot motion", HRI 2013, Eq. 7 to 9; all goals equally likely at first):
+    robot motion", HRI 2013; here in costs above the least, all goals equally likely at first):
 
     - ``p(G | prefix) ~ exp(-(C + V_G(Q) - V_G(S)) / T)``,
     - legibility ``= sum_t f(t) p(G* | prefix) / sum_t f(t)``, t = 1 .. N, with ``f(t) = N + 1 - t``: early
