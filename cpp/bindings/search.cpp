@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
 
 #include "bindings/bindings.hpp"
@@ -12,6 +13,8 @@
 #include "bindings/core_task.hpp"
 #include "search/counting_scorer.hpp"
 #include "search/heuristics.hpp"
+#include "search/plan_check.hpp"
+#include "search/plan_improvement.hpp"
 #include "search/relaxed_plan.hpp"
 #include "search/solve.hpp"
 
@@ -77,15 +80,16 @@ bool has_been_interrupted() {
 
 SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initial,
                     const std::vector<FactId>& goal, const std::string& algorithm,
-                    const std::string& heuristic, const std::string& preferred, double weight, std::uint64_t seed,
-                    const PathScorer* scorer, const std::string& closing, double alpha, bool ratio, double gap,
-                    double time_limit_s, std::optional<std::size_t> memory_limit_bytes,
+                    const std::string& heuristic, const std::string& preferred, bool lookahead, double weight,
+                    std::uint64_t seed, const PathScorer* scorer, const std::string& closing, double alpha, bool ratio,
+                    double gap, double time_limit_s, std::optional<std::size_t> memory_limit_bytes,
                     std::optional<std::int64_t> max_evaluations) {
     check_scorer(task, scorer);
     SearchOptions options;
     options.algorithm = algorithm;
     options.heuristic = heuristic;
     options.preferred = preferred_of(preferred);
+    options.lookahead = lookahead;
     options.weight = weight;
     options.seed = seed;
     options.labelled = {scorer, closing_of(closing)};
@@ -104,6 +108,35 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
     const SuccessorGenerator successors(task);
     const Question question{task, successors, std::move(start), goal};
     return solve(question, options, monitor);
+}
+
+// The question that a plan answers.
+Question question_of(const CoreTask& task, const SuccessorGenerator& successors, const std::optional<nb::bytes>& initial,
+                     const std::vector<FactId>& goal, const std::vector<OperatorId>& plan) {
+    check_goal(task, goal);
+    for (const OperatorId step : plan) {
+        if (step < 0 || step >= task.num_operators()) throw nb::index_error("no such operator");
+    }
+    Question question{task, successors, initial ? state_of(task, *initial) : initial_state(task), goal};
+    if (!execute_plan(task, question.initial, goal, plan)) throw std::invalid_argument("not a plan of this task");
+    return question;
+}
+
+std::vector<OperatorId> eliminated(const CoreTask& task, const std::optional<nb::bytes>& initial,
+                                   const std::vector<FactId>& goal, const std::vector<OperatorId>& plan) {
+    const SuccessorGenerator successors(task);
+    const Question question = question_of(task, successors, initial, goal, plan);
+    const nb::gil_scoped_release released;
+    return eliminate_actions(question, plan, std::numeric_limits<std::int64_t>::max());
+}
+
+std::vector<OperatorId> neighbouring(const CoreTask& task, const std::optional<nb::bytes>& initial,
+                                     const std::vector<FactId>& goal, const std::vector<OperatorId>& plan,
+                                     std::size_t max_transitions) {
+    const SuccessorGenerator successors(task);
+    const Question question = question_of(task, successors, initial, goal, plan);
+    const nb::gil_scoped_release released;
+    return search_neighbourhood(question, plan, max_transitions);
 }
 
 std::vector<OperatorId> applicable(const CoreTask& task, const nb::bytes& state) {
@@ -170,8 +203,12 @@ void bind_search(nb::module_& module) {
         .def_ro("memory_bytes", &SearchAnswer::memory_bytes)
         .def_ro("search_s", &SearchAnswer::search_s);
     module.def("search", &search, "task"_a, "initial"_a.none(), "goal"_a, nb::kw_only(), "algorithm"_a,
-               "heuristic"_a, "preferred"_a, "weight"_a, "seed"_a, "scorer"_a.none(), "closing"_a, "alpha"_a, "ratio"_a, "gap"_a,
-               "time_limit_s"_a, "memory_limit_bytes"_a.none(), "max_evaluations"_a.none());
+               "heuristic"_a, "preferred"_a, "lookahead"_a, "weight"_a, "seed"_a, "scorer"_a.none(), "closing"_a, "alpha"_a,
+               "ratio"_a, "gap"_a, "time_limit_s"_a, "memory_limit_bytes"_a.none(),
+               "max_evaluations"_a.none());
+    module.def("eliminate_actions", &eliminated, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a);
+    module.def("search_neighbourhood", &neighbouring, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a,
+               "max_transitions"_a);
     module.def("applicable_operators", &applicable, "task"_a, "state"_a);
     module.def("relaxed_plan", &relaxed_plan, "task"_a, "state"_a, "goal"_a, "unit_costs"_a = true);
     module.def("helpful_operators", &helpful, "task"_a, "state"_a, "goal"_a);

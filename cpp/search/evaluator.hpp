@@ -2,6 +2,7 @@
 #pragma once
 
 #include <iterator>
+#include <span>
 #include <vector>
 
 #include "search/engine.hpp"
@@ -36,6 +37,8 @@ public:
         const auto relaxed_plan = planner_.ordered_plan();
         return (1.0 + nodes.count(node, state, relaxed_plan)) * static_cast<double>(relaxed_plan.size());
     }
+    // Of the state evaluated last: the relaxed plan, one goal after another.
+    std::span<const OperatorId> relaxed_plan() { return planner_.plan_by_goal(); }
     // Of the state evaluated last.
     void preferred(Preferred kind, const std::vector<OperatorId>& applicable, std::vector<OperatorId>& result) const {
         result.clear();

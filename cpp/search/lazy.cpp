@@ -1,40 +1,48 @@
 #include "search/lazy.hpp"
 
+#include <utility>
+
 namespace explicable {
 
-LazySearch::LazySearch(const Question& question, Preferred preferred, LabelledOptions labelled, std::uint64_t seed)
+LazySearch::LazySearch(const Question& question, Preferred preferred, LabelledOptions labelled, std::uint64_t seed,
+                       bool lookahead)
     : question_(question),
       preferred_(preferred),
       nodes_(question.task, labelled.scorer, labelled.closing),
       evaluator_(question, labelled.scorer),
-      ties_(seed) {}
+      ties_(seed) {
+    if (lookahead) lookahead_.emplace(question);
+}
 
 Status LazySearch::run(Monitor& monitor, std::int64_t slice) {
     if (goal_node_ >= 0) return Status::exhausted;
     const std::int64_t end = end_of_slice(monitor, slice);
     if (!started_) {
         started_ = true;
-        if (visit(nodes_.add_root(question_.initial), monitor)) return Status::solved;
+        next_ = nodes_.add_root(question_.initial);
     }
-    while (!all_.empty() || !promising_.empty()) {
+    while (next_ >= 0 || !all_.empty() || !promising_.empty()) {
         if (!monitor.may_go_on([this] { return memory_bytes(); })) return Status::stopped;
         if (monitor.evaluations >= end) return Status::paused;
-        const Edge edge = next_edge();
-        if (nodes_.is_dominated(edge.parent)) continue;
-        const auto arrival = nodes_.add(edge.parent, edge.step);
-        if (arrival.is_new && visit(arrival.node, monitor)) return Status::solved;
+        const NodeId node = next_ >= 0 ? std::exchange(next_, -1) : follow_edge();
+        if (is_visited(node)) continue;
+        if (visit(node, monitor)) return Status::solved;
     }
     return Status::exhausted;
 }
 
-LazySearch::Edge LazySearch::next_edge() {
+// The node at the end of the next edge, or the parent where it is dominated.
+NodeId LazySearch::follow_edge() {
     const bool take_promising = !promising_.empty() && (all_.empty() || promising_priority_ <= all_priority_);
     ++(take_promising ? promising_priority_ : all_priority_);
-    return (take_promising ? promising_ : all_).pop();
+    const Edge edge = (take_promising ? promising_ : all_).pop();
+    return nodes_.is_dominated(edge.parent) ? edge.parent : nodes_.add(edge.parent, edge.step).node;
 }
 
 // Evaluates and expands a node; true if it is a goal.
 bool LazySearch::visit(NodeId node, Monitor& monitor) {
+    visited_.resize(nodes_.size());
+    visited_[node] = true;
     nodes_.state(node, state_);
     if (question_.is_goal(state_)) {
         goal_node_ = node;
@@ -54,6 +62,7 @@ bool LazySearch::visit(NodeId node, Monitor& monitor) {
     const Key key = evaluator_.key(static_cast<double>(nodes_.cost(node)), h);
     push(promising_, key, node, marked_);
     push(all_, key, node, applicable_);
+    if (lookahead_) next_ = lookahead_->follow(evaluator_.relaxed_plan(), nodes_, node, state_);
     return false;
 }
 

@@ -43,7 +43,8 @@ RelaxedPlanner::RelaxedPlanner(const Task& task, std::span<const FactId> goal, S
 
 bool RelaxedPlanner::compute(const State& state) {
     if (!explore(state)) return false;
-    extract();
+    extract(goal_);
+    if (several_pieces_) ordered_plan();
     return true;
 }
 
@@ -77,7 +78,7 @@ bool RelaxedPlanner::explore(const State& state) {
     return missing == 0;
 }
 
-void RelaxedPlanner::extract() {
+void RelaxedPlanner::extract(std::span<const FactId> goal) {
     if (++round_ == 0) {  // the counter of rounds has wrapped: forget all marks
         for (auto* marks : {&fact_seen_, &fact_first_, &operator_seen_}) {
             std::fill(marks->begin(), marks->end(), 0);
@@ -87,11 +88,10 @@ void RelaxedPlanner::extract() {
     plan_.clear();
     supports_.clear();
     h_add_ = 0;
-    for (const FactId fact : goal_) {
+    for (const FactId fact : goal) {
         h_add_ = saturated(h_add_, fact_cost_[fact]);
         if (fact_seen_[fact] != round_) extract_for(fact);
     }
-    if (several_pieces_) ordered_plan();
 }
 
 // Depth first from a goal, so that whatever an operator needs comes before it.
@@ -159,6 +159,14 @@ void RelaxedPlanner::sort_supports() {
     for (const std::int32_t support : supports_) ++places_[cost_of(support) + 1];
     for (std::int32_t cost = 0; cost <= highest; ++cost) places_[cost + 1] += places_[cost];
     for (const std::int32_t support : supports_) by_cost_[places_[cost_of(support)]++] = support;
+}
+
+std::span<const OperatorId> RelaxedPlanner::plan_by_goal() {
+    goal_by_cost_ = goal_;
+    std::stable_sort(goal_by_cost_.begin(), goal_by_cost_.end(),
+                     [this](FactId a, FactId b) { return fact_cost_[a] < fact_cost_[b]; });
+    extract(goal_by_cost_);
+    return plan_;
 }
 
 std::int64_t RelaxedPlanner::plan_cost() const {

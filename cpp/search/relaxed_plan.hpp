@@ -23,6 +23,8 @@ public:
     std::span<const OperatorId> plan() const { return plan_; }
     // The same in an order in which it can be executed in the delete relaxation: by the cost of reaching each operator.
     std::span<const OperatorId> ordered_plan();
+    // The same in another such order: for one goal after another, the nearest first, all that it needs and is not there yet.
+    std::span<const OperatorId> plan_by_goal();
     std::int64_t plan_cost() const;  // by the task's own costs
     std::int32_t h_add() const { return h_add_; }
     // Operators of `applicable` that add a fact which the relaxed plan achieves in its first layer (helpful actions).
@@ -42,7 +44,7 @@ private:
 
     const Task& task_;
     const RelaxedTask relaxed_;
-    const std::vector<FactId> goal_;
+    std::vector<FactId> goal_, goal_by_cost_;
     std::vector<char> is_goal_;
     std::int32_t num_goals_ = 0;
     std::vector<Counter> initial_counters_, counters_;
@@ -72,7 +74,7 @@ private:
     }
     std::int32_t cost_of(std::int32_t support) const { return counters_[relaxed_.piece_of[support]].cost; }
     bool explore(const State& state);
-    void extract();
+    void extract(std::span<const FactId> goal);
     void extract_for(FactId goal);
     void sort_supports();
 };

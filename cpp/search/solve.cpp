@@ -9,6 +9,7 @@
 #include "search/hill_climbing.hpp"
 #include "search/improve.hpp"
 #include "search/lazy.hpp"
+#include "search/plan_improvement.hpp"
 #include "search/portfolio.hpp"
 #include "search/width.hpp"
 
@@ -16,6 +17,8 @@ namespace explicable {
 
 namespace {
 
+constexpr std::int64_t elimination_budget = 4'000'000;  // steps executed
+constexpr std::size_t neighbourhood_budget = 10'000;    // transitions
 constexpr std::int64_t no_slice = std::numeric_limits<std::int64_t>::max();
 
 class Solver {
@@ -25,7 +28,7 @@ public:
     std::unique_ptr<Engine> engine() const {
         const std::string& name = options_.algorithm;
         if (name == "default" || name == "anytime") return standard();
-        if (name == "lazy") return lazy();
+        if (name == "lazy") return lazy(options_.lookahead);
         if (name == "eager") return eager();
         if (name == "ff") return ff();
         if (name == "bfws") return std::make_unique<WidthSearch>(question_, options_.seed);
@@ -37,8 +40,8 @@ private:
     const Question& question_;
     const SearchOptions& options_;
 
-    std::unique_ptr<Engine> lazy() const {
-        return std::make_unique<LazySearch>(question_, options_.preferred, options_.labelled, options_.seed);
+    std::unique_ptr<Engine> lazy(bool lookahead) const {
+        return std::make_unique<LazySearch>(question_, options_.preferred, options_.labelled, options_.seed, lookahead);
     }
     std::unique_ptr<Engine> eager() const {
         BestFirstOptions best_first;
@@ -58,15 +61,23 @@ private:
         };
         return std::make_unique<Portfolio>(std::vector<Portfolio::Member>{{climb, 100'000, 0}, {best_first, no_slice, 1}});
     }
-    // Relaxed plans first, since they mostly lead straight to the goal; where they do not, on large grids say, novelty
-    // often does. A relaxed plan costs more the larger the task is, hardly so a look at novelty.
+    // Relaxed plans first, carried out at once, since they mostly lead straight to the goal; where they do not, plain lazy
+    // search or novelty often does. A relaxed plan costs more the larger the task is, hardly so a look at novelty.
     std::unique_ptr<Engine> standard() const {
-        if (options_.labelled.scorer) return lazy();
+        using Members = std::vector<Portfolio::Member>;
+        auto ahead = [this] { return lazy(true); };
+        auto plain = [this] { return lazy(false); };
         const std::int64_t size = question_.task.num_facts() + question_.task.num_operators();
-        const std::int64_t lazy_slice = std::clamp<std::int64_t>(40'000'000 / (size + 1), 500, 4'000);
+        const auto slice = [size](std::int64_t work, std::int64_t least, std::int64_t most) {
+            return std::clamp(work / (size + 1), least, most);
+        };
+        // A look-ahead does not ask what people make of its steps, so it comes last where the order of f is affordable.
+        if (options_.labelled.scorer) {
+            return std::make_unique<Portfolio>(Members{{plain, slice(5'000'000, 50, 1'000), 0}, {ahead, no_slice, 1}});
+        }
         auto width = [this] { return std::make_unique<WidthSearch>(question_, options_.seed); };
-        return std::make_unique<Portfolio>(
-            std::vector<Portfolio::Member>{{[this] { return lazy(); }, lazy_slice, 2}, {width, 30'000, 3}});
+        return std::make_unique<Portfolio>(Members{
+            {ahead, slice(10'000'000, 100, 1'000), 2}, {plain, slice(40'000'000, 500, 4'000), 2}, {width, 30'000, 3}});
     }
     std::unique_ptr<Engine> astar() const {
         BestFirstOptions best_first;
@@ -94,6 +105,13 @@ void find_plan(const Question& question, Engine& engine, Monitor& monitor, Incum
     answer.is_exhausted = status == Status::exhausted && engine.is_complete();
 }
 
+// Takes out of a plan found in haste what was too much, where that makes it better.
+void polish(const Question& question, Incumbent& best) {
+    auto plan = eliminate_actions(question, *best.plan, elimination_budget);
+    best.offer(search_neighbourhood(question, plan, neighbourhood_budget), question);
+    if (best.scorer) best.offer(std::move(plan), question);
+}
+
 }  // namespace
 
 SearchAnswer solve(const Question& question, const SearchOptions& options, Monitor& monitor) {
@@ -105,6 +123,9 @@ SearchAnswer solve(const Question& question, const SearchOptions& options, Monit
         if (options.algorithm == "anytime") first.labelled.closing = Closing::state;
         const Solver solver(question, first);
         find_plan(question, *solver.engine(), monitor, best, answer);
+        // The first plan of a labelled search was chosen for its steps, and only J can say whether fewer are better.
+        const bool by_cost = options.algorithm == "default" && !options.labelled.scorer;
+        if (best.plan && (by_cost || options.algorithm == "anytime")) polish(question, best);
         answer.is_optimal = best.plan && options.algorithm == "astar";
         if (options.algorithm == "anytime" && best.plan && monitor.stop() == Stop::none) {
             improve(question, options, monitor, best, answer);

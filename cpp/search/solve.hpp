@@ -15,6 +15,7 @@ struct SearchOptions {
     std::string algorithm = "default";
     std::string heuristic;  // of "astar": lmcut (default), hmax, blind
     Preferred preferred = Preferred::helpful;
+    bool lookahead = false;  // of "lazy"
     double weight = 1.0;  // of h, in "wastar"
     std::uint64_t seed = 0;
     LabelledOptions labelled;

@@ -125,6 +125,7 @@ def search(
     algorithm: str,
     heuristic: str,
     preferred: str,
+    lookahead: bool,
     weight: float,
     seed: int,
     scorer: PathScorer | None,
@@ -136,6 +137,16 @@ def search(
     memory_limit_bytes: int | None,
     max_evaluations: int | None,
 ) -> SearchAnswer: ...
+def eliminate_actions(
+    task: Task, initial: bytes | None, goal: Sequence[int], plan: Sequence[int]
+) -> list[int]:
+    """Drop steps without which the goal is reached all the same (action elimination)."""
+
+def search_neighbourhood(
+    task: Task, initial: bytes | None, goal: Sequence[int], plan: Sequence[int], max_transitions: int
+) -> list[int]:
+    """Give the cheapest plan among the states near those of a plan."""
+
 def applicable_operators(task: Task, state: bytes) -> list[int]: ...
 def relaxed_plan(
     task: Task, state: bytes, goal: Sequence[int], unit_costs: bool = True

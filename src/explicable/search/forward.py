@@ -25,6 +25,7 @@ def search(
     goal: Iterable[int | GroundAtom] | None = None,
     heuristic: Heuristic | None = None,
     preferred: Preferred | None = None,
+    lookahead: bool = False,
     weight: float = 5.0,
     seed: int = 0,
     time_limit_s: float | None = None,
@@ -44,7 +45,9 @@ def search(
         The grounded task.
     algorithm
         ``"default"``
-            Lazy greedy search and, in turns with growing budgets, best-first width search.
+            Lazy greedy search with look-ahead [6]_, without it, and best-first width search, in turns with
+            growing budgets; then the plan is shortened [7]_. With a scorer, lazy greedy search with a budget,
+            then with look-ahead.
         ``"ff"``
             Enforced hill-climbing over helpful actions, then best-first search [1]_.
         ``"lazy"``, ``"eager"``
@@ -66,6 +69,9 @@ def search(
     preferred
         Which operators the second queue holds: all helpful actions (default of ``"lazy"``), those that are in
         the relaxed plan, or none (default of ``"eager"``).
+    lookahead
+        Of ``"lazy"``: whether to look first at the state that a relaxed plan leads to when its operators are
+        executed for as long as they can be [6]_.
     weight
         Of the heuristic in ``"wastar"``, at least 1.
     seed
@@ -106,6 +112,8 @@ def search(
     .. [3] Lipovetzky & Geffner, "Best-first width search", AAAI 2017.
     .. [4] Helmert & Domshlak, "Landmarks, critical paths and abstractions", ICAPS 2009.
     .. [5] Richter, Thayer & Ruml, "The joy of forgetting", ICAPS 2010.
+    .. [6] Vidal, "A lookahead strategy for heuristic search planning", ICAPS 2004.
+    .. [7] Nakhost & Mueller, "Action elimination and plan neighborhood graph search", ICAPS 2010.
 
     Examples
     --------
@@ -131,6 +139,7 @@ def search(
             algorithm=algorithm,
             heuristic=heuristic or "",
             preferred=preferred or ("none" if algorithm == "eager" else "helpful"),
+            lookahead=lookahead,
             weight=weight,
             seed=seed,
             scorer=scorer,
