@@ -12,11 +12,21 @@ if TYPE_CHECKING:
     from explicable.model.plan import JointPlan, Step, format_plan, read_plan
     from explicable.model.team import Agent, TeamProblem, TeamTask
     from explicable.pddl import read_pair, read_team_problem
-    from explicable.planning import TeamPlan, plan_classically, plan_explicably
+    from explicable.planning import (
+        HumanModel,
+        TeamPlan,
+        conform_or_explain,
+        explain,
+        measure,
+        plan_classically,
+        plan_explicably,
+        rank,
+    )
     from explicable.search import Outcome, SearchResult, search
 
 _HOMES = {
     "Agent": "model.team",
+    "HumanModel": "planning",
     "JointPlan": "model.plan",
     "Labeller": "labelling",
     "Outcome": "search",
@@ -25,11 +35,15 @@ _HOMES = {
     "TeamPlan": "planning",
     "TeamProblem": "model.team",
     "TeamTask": "model.team",
+    "conform_or_explain": "planning",
+    "explain": "planning",
     "format_plan": "model.plan",
     "ground": "model.grounding",
     "ground_team": "model.grounding",
+    "measure": "planning",
     "plan_classically": "planning",
     "plan_explicably": "planning",
+    "rank": "planning",
     "read_pair": "pddl",
     "read_plan": "model.plan",
     "read_team_problem": "pddl",
@@ -39,6 +53,7 @@ _HOMES = {
 
 __all__ = [
     "Agent",
+    "HumanModel",
     "JointPlan",
     "Labeller",
     "Outcome",
@@ -47,11 +62,15 @@ __all__ = [
     "TeamPlan",
     "TeamProblem",
     "TeamTask",
+    "conform_or_explain",
+    "explain",
     "format_plan",
     "ground",
     "ground_team",
+    "measure",
     "plan_classically",
     "plan_explicably",
+    "rank",
     "read_pair",
     "read_plan",
     "read_team_problem",

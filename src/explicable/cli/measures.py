@@ -54,7 +54,13 @@ people_option = click.option(
     show_default=True,
     help="Of the observer who is surprised, in the unit of cost.",
 )
-@click.option("--time-limit", type=click.FloatRange(min=0), help="Seconds for the exact searches.")
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0),
+    default=60.0,
+    show_default=True,
+    help="Seconds for the exact searches; what is not found out by then is left out.",
+)
 @people_option
 @json_option
 def measure(
@@ -65,7 +71,7 @@ def measure(
     expected_files: tuple[Path, ...],
     other_goals: tuple[str, ...],
     temperature: float,
-    time_limit: float | None,
+    time_limit: float,
     as_json: bool,
 ) -> None:
     """Measure PLAN: how explicable, how far from what is expected, how dear, how surprising it is."""

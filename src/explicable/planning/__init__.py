@@ -12,7 +12,7 @@ from explicable.planning.planner import (
     plan_explicably,
 )
 from explicable.planning.predictions import HumanModel, PredictedSteps
-from explicable.planning.rank import RankedPlan, rank
+from explicable.planning.ranking import RankedPlan, rank
 from explicable.planning.telling import ToldPlan, conform_or_explain
 
 __all__ = [

@@ -81,8 +81,9 @@ def conform_or_explain(
     Plans without telling come first: the best explicable one and the cheapest. Then sets of differences
     between the two models are tried: those that explain the unexpected steps of these plans, one by one and
     all together, whatever their size; then all others in the order of size up to ``max_told``. For each set a
-    plan is made for the person so corrected, and that plan and those before are weighed. A set is left out if
-    its telling alone, with the least that any plan costs, is no better than what was found.
+    plan is made for the person so corrected, and that plan, with and without telling, and those before are
+    weighed. A set is left out if its telling alone, with the least that any plan costs, is no better than
+    what was found.
 
     Everything is told at one time, the latest that makes J no worse. What is returned is the best of what was
     tried: `is_complete` does not mean that no better plan exists for a set that was tried.
@@ -139,11 +140,10 @@ def conform_or_explain(
         plans.append(joint_plan(team_task, actions, cheapest.cost))
 
     scales = _Scales(team_task, labeller, alpha, telling_cost)
-    best = min((scales.weigh(plan, (), team_task) for plan in plans), key=_objective)
-    untold = best.objective
+    untold = best = min((scales.weigh(plan, (), team_task) for plan in plans), key=_objective)
     is_complete = True
     for told in _sets(team_task, labeller, plans, max_told, deadline):
-        if cheapest.lower_bound + telling_cost * len(told) >= _objective(best):
+        if cheapest.lower_bound + telling_cost * len(told) >= best.objective:
             continue
         if time.monotonic() > deadline:
             is_complete = False
@@ -153,8 +153,9 @@ def conform_or_explain(
             corrected, labeller, alpha=alpha, improve_s=improve_s, time_limit_s=time_limit_s, seed=seed
         )
         if planned.plan is not None and planned.plan not in plans:
-            plans.append(planned.plan)
-        best = min((best, *(scales.weigh(plan, told, corrected) for plan in plans)), key=_objective)
+            plans.append(planned.plan)  # it may be better than all before, even for one who is told nothing
+            untold = min(untold, scales.weigh(planned.plan, (), team_task), key=_objective)
+        best = min((best, untold, *(scales.weigh(plan, told, corrected) for plan in plans)), key=_objective)
     return ToldPlan(
         outcome=Outcome.SOLVED,
         plan=best.plan,
@@ -162,7 +163,7 @@ def conform_or_explain(
         before_step=best.before_step,
         probabilities=best.probabilities,
         objective=best.objective,
-        objective_untold=untold,
+        objective_untold=untold.objective,
         is_complete=is_complete,
     )
 

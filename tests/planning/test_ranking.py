@@ -5,7 +5,7 @@ import math
 import pytest
 
 from explicable.errors import UsageError
-from explicable.planning.rank import rank
+from explicable.planning.ranking import rank
 from planning.floors import DETOUR, command, floor, judge_of_progress, moves, visit
 
 # Without hidden obstacles the person's way through the middle, and one round about.
