@@ -90,7 +90,8 @@ def plan_explicably(
     """Plan steps that the person will find sensible: by Eq. 4, then improving ``J`` (Eq. 3).
 
     At goal states the heuristic of Eq. 4 is zero, whatever was inexplicable on the way: it steers the search
-    but does not choose the plan. Hence the second part, which goes on for a better ``J``.
+    but does not choose the plan. Hence the second part, which goes on for a better ``J``, until the least is
+    proved or the time is up: ``lower_bound`` says which.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def plan_explicably(
     closing
         Of the search for the first plan. ``"state"``: a state is closed alone, as in the paper.
         ``"context"``: together with what the labeller still needs to know of the path, which is exact for
-        ``f``, but there are many more such nodes, and the search may not end in time.
+        ``f``, but there are many more such nodes.
     time_limit_s
         Seconds for the whole search.
     improve_s
@@ -122,9 +123,9 @@ def plan_explicably(
         left_s = math.inf if time_limit_s is None else max(time_limit_s - results[0].search_s, 0.0)
         if min(improve_s, left_s) > 0:
             limit_s = min(improve_s, left_s)
-            results.append(
-                search(team_task.task, "anytime", closing="context", time_limit_s=limit_s, **options)
-            )
+            # J is by expectation, whatever led to the first plan.
+            options["scorer"] = scorer if expected else labeller.scorer(team_task, expected=True)
+            results.append(search(team_task.task, "anytime", time_limit_s=limit_s, **options))
     return _team_plan(team_task, results, labeller, alpha)
 
 
@@ -158,7 +159,7 @@ def _team_plan(
 ) -> TeamPlan:
     """Choose the best of several searches' plans by ``J``."""
     chosen: tuple[float, JointPlan, LabelledPlan | None] | None = None
-    for result in results:
+    for result in reversed(results):
         if result.operators is not None:
             actions = tuple(team_task.task.action(operator) for operator in result.operators)
             plan = joint_plan(team_task, actions, sum(map(team_task.task.cost, result.operators)))
@@ -166,13 +167,15 @@ def _team_plan(
             value = objective(plan, labelled, alpha)
             if chosen is None or value < chosen[0]:
                 chosen = (value, plan, labelled)
+        if result.is_optimal:
+            break
     best, found, labels = chosen or (None, None, None)
     return TeamPlan(
         outcome=Outcome.SOLVED if found else results[0].outcome,
         plan=found,
         labelled=labels,
         objective=best,
-        lower_bound=results[-1].lower_bound,
+        lower_bound=results[-1].lower_bound if best is None else min(results[-1].lower_bound, best),
         evaluations=sum(result.evaluations for result in results),
         search_s=sum(result.search_s for result in results),
     )
