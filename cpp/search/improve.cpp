@@ -174,7 +174,11 @@ void improve_objective(const Question& question, const SearchOptions& options, M
                             : can_dilute ? Closing::context
                                          : Closing::context_and_length;
     Outlook outlook(question, best.ratio ? nullptr : best.scorer, best.alpha);
-    if (!outlook.prepare(monitor, best.objective - rounding)) return;
+    const auto offer = [&](std::vector<OperatorId> plan) {
+        best.offer(std::move(plan), question);
+        return best.objective - rounding;
+    };
+    if (!outlook.prepare(monitor, best.objective - rounding, offer)) return;
     if (!outlook.is_complete()) {
         for (const double weight : {3.0, 1.5}) {
             ObjectiveSearch(question, best, closing, outlook, weight).run(monitor, slice, options.gap, best);

@@ -95,71 +95,84 @@ Outlook::Outlook(const Question& question, const PathScorer* scorer, double alph
       contexts_(padded(scorer_ ? scorer_->context_size() : 0)),
       key_(packer_.num_words() + 1) {}
 
-bool Outlook::prepare(Monitor& monitor, double bound) {
+bool Outlook::prepare(Monitor& monitor, double bound, const Offer& offer) {
     cost_to_go_.list(monitor, max_states);
     if (monitor.stop() != Stop::none) return false;
     is_complete_ = cost_to_go_.is_exact() && !scorer_;
     // Without exact costs, contexts are more than can be listed too.
     if (!scorer_ || !cost_to_go_.is_exact()) return true;
-    if (!list(monitor, bound)) return false;
+    if (!list(monitor, bound, offer)) return false;
     weigh();
     graph_.sweep(ahead_);
     graph_.edges = {};
     return true;
 }
 
-// A*, by costs alone; of the contexts with one outlook key the first stands for all, widened by the others.
-bool Outlook::list(Monitor& monitor, double bound) {
+// A* by the bounds that are known so far; of the contexts with one outlook key the first stands for all, widened by the others.
+// What is left out is worth its cost-to-go, so that stopping here or there makes the outlook less tight, but never wrong.
+bool Outlook::list(Monitor& monitor, double bound, const Offer& offer) {
+    struct Arrival {
+        double value = dead_end;  // cost + alpha * inexplicable steps, at the least
+        std::int32_t parent = -1;
+        OperatorId step = -1;
+        bool is_closed = false;
+    };
     const std::size_t size = scorer_->context_size();
     std::vector<std::byte> context(size);
     std::vector<Word> words(packer_.num_words());
     std::vector<OperatorId> applicable;
-    std::vector<double> costs;
-    std::vector<bool> is_closed;
+    std::vector<Arrival> arrivals;
     OpenList<std::int32_t> open;
 
     // The place's number, or -1 if no better plan leads through it.
-    const auto arrive = [&](const Word* state, double cost) {
-        const double least = cost + cost_to_go_(state);
+    const auto arrive = [&](const Word* state, double value, std::int32_t parent, OperatorId step) {
+        const double least = value + cost_to_go_(state);
         if (least >= bound) return -1;
         const auto [place, is_new] = places_.insert(with_key(state, context.data()));
         if (is_new) {
             std::memcpy(contexts_.append(), context.data(), size);
-            costs.push_back(dead_end);
-            is_closed.push_back(false);
+            arrivals.emplace_back();
             ahead_.push_back(dead_end);
         }
         scorer_->widen(contexts_.row(place), context.data());
-        if (cost < costs[place] && !is_closed[place]) {
-            costs[place] = cost;
-            open.push({least, 0.0}, place);
+        if (value < arrivals[place].value && !arrivals[place].is_closed) {
+            arrivals[place] = {value, parent, step, false};
+            open.push({least, least - value}, place);
         }
         return place;
+    };
+    const auto path = [&](std::int32_t place) {
+        std::vector<OperatorId> steps;
+        for (; arrivals[place].parent >= 0; place = arrivals[place].parent) steps.push_back(arrivals[place].step);
+        std::reverse(steps.begin(), steps.end());
+        return steps;
     };
 
     packer_.pack(question_.initial, words.data());
     scorer_->root(question_.initial, context.data());
-    arrive(words.data(), 0.0);
-    while (!open.empty() && places_.size() <= max_places) {
+    arrive(words.data(), 0.0, -1, -1);
+    while (!open.empty() && open.lowest().first < bound && places_.size() <= max_places) {
         if (!monitor.may_go_on([this] { return memory_bytes(); })) return false;
         const std::int32_t place = open.pop();
-        if (is_closed[place]) continue;
-        is_closed[place] = true;
+        if (arrivals[place].is_closed) continue;
+        arrivals[place].is_closed = true;
         const State before = packer_.unpack(places_[place]);
+        if (question_.is_goal(before)) bound = std::min(bound, offer(path(place)));
         question_.successors.applicable(before, applicable);
         for (const OperatorId step : applicable) {
             apply(question_.task, packer_, step, places_[place], words.data());
             const State after = packer_.unpack(words.data());
             scorer_->extend(contexts_.row(place), step, before, after, context.data());
             const double cost = question_.task.cost[step];
-            const std::int32_t to = arrive(words.data(), costs[place] + cost);
+            const double growth = scorer_->least_growth(contexts_.row(place), step, context.data());
+            const std::int32_t to = arrive(words.data(), arrivals[place].value + cost + alpha_ * growth, place, step);
             if (to >= 0) graph_.edges.push_back({place, to, step, cost});
             else ahead_[place] = std::min(ahead_[place], cost + cost_to_go_(words.data()));
         }
     }
-    is_complete_ = open.empty();
+    is_complete_ = open.empty() || open.lowest().first >= bound;
     for (std::int32_t place = 0; place < places_.size(); ++place) {
-        if (!is_closed[place]) ahead_[place] = cost_to_go_(places_[place]);
+        if (!arrivals[place].is_closed) ahead_[place] = cost_to_go_(places_[place]);
     }
     return true;
 }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -54,8 +55,10 @@ public:
     // Without a scorer: of the cost alone.
     Outlook(const Question& question, const PathScorer* scorer, double alpha);
 
-    // Lists contexts through which a plan may have a lower objective than `bound`; returns false if the monitor stopped.
-    bool prepare(Monitor& monitor, double bound);
+    // Lists contexts through which a plan may have a lower objective than `bound`. Plans found on the way are offered; the
+    // answer is the new bound. Returns false if the monitor stopped.
+    using Offer = std::function<double(std::vector<OperatorId>)>;
+    bool prepare(Monitor& monitor, double bound, const Offer& offer);
 
     // `words`: the packed state.
     double operator()(const Word* words, const std::byte* context) const;
@@ -76,7 +79,7 @@ private:
     bool is_complete_ = false;
 
     const Word* with_key(const Word* words, const std::byte* context) const;
-    bool list(Monitor& monitor, double bound);
+    bool list(Monitor& monitor, double bound, const Offer& offer);
     void weigh();
 };
 
