@@ -86,6 +86,7 @@ def plan_as_json(place, *options):
         ["--search", "ff"],
         ["--labeller", "labeller.json"],
         ["--labeller", "labeller.json", "--planner", "ff"],
+        ["--labeller", "labeller.json", "--mode", "paper"],
         ["--labeller", "labeller.json", "--alpha", "0", "--search", "eager"],
     ],
 )
@@ -123,6 +124,7 @@ def test_plan_goes_to_standard_output(place):
         (["plan", "lamp-domain.pddl", "broken-lamp.pddl"], UNSOLVABLE, "unsolvable"),
         (["plan", *TASK, "--time-limit", "0"], LIMIT, "limit"),
         (["plan", *TASK, "--planner", "explicable"], USAGE, "--labeller"),
+        (["plan", *TASK, "--mode", "paper"], USAGE, "--mode paper"),
         (["plan", *TASK, "--labeller", "labeller.json", "--alpha", "-1"], USAGE, "alpha"),
         (["plan", *TASK, "--labeller", "labeller.json", "--alpha", "nan"], USAGE, "alpha"),
         (["plan", *TASK, "--labeller", "labeller.json", "--alpha", "inf"], USAGE, "alpha"),

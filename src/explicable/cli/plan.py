@@ -28,6 +28,13 @@ SCORES = ("f_paper", "f_robot", "f_expected")
     help="ff: without regard to the person. explicable: cheap and expected; needs a labeller."
     " Default: explicable where there is a labeller, else ff.",
 )
+@click.option(
+    "--mode",
+    type=click.Choice(["default", "paper"]),
+    default="default",
+    show_default=True,
+    help="paper: Eq. 4 in hill-climbing, the most probable labels, and the first plan is the answer.",
+)
 @click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
 @click.option(
     "--search",
@@ -44,6 +51,7 @@ def plan(
     paths: TeamProblemPaths,
     labeller_file: Path | None,
     planner: str | None,
+    mode: str,
     alpha: float,
     algorithm: "Algorithm | None",
     ignore_human: bool,
@@ -61,13 +69,15 @@ def plan(
     from explicable.model.grounding import ground_team
     from explicable.model.plan import format_plan
     from explicable.model.team import TeamProblem
-    from explicable.planning import check_alpha, plan_classically, plan_explicably
+    from explicable.planning import check_alpha, plan_as_in_paper, plan_classically, plan_explicably
 
     check_alpha(alpha)
     if planner == "explicable" and labeller_file is None:
         raise click.UsageError(
             "explicable planning needs a labeller: --labeller FILE (see `explicable train`)"
         )
+    if mode == "paper" and (labeller_file is None or planner == "ff" or algorithm is not None):
+        raise click.UsageError("--mode paper plans with a labeller, and settles the search itself")
     labeller = None
     if labeller_file is not None:
         from explicable.labelling import Labeller
@@ -91,12 +101,14 @@ def plan(
         result = plan_classically(
             team_task, labeller=labeller, algorithm=algorithm or "default", time_limit_s=time_limit, seed=seed
         )
+    elif mode == "paper":
+        result = plan_as_in_paper(team_task, labeller, time_limit_s=time_limit, seed=seed)
     else:
         result = plan_explicably(
             team_task,
             labeller,
             alpha=alpha,
-            algorithm=algorithm or "lazy",
+            algorithm=algorithm or "default",
             time_limit_s=time_limit,
             seed=seed,
         )

@@ -8,6 +8,7 @@ from explicable.planning.planner import (
     check_alpha,
     joint_plan,
     objective,
+    plan_as_in_paper,
     plan_classically,
     plan_explicably,
 )
@@ -33,6 +34,7 @@ __all__ = [
     "joint_plan",
     "measure",
     "objective",
+    "plan_as_in_paper",
     "plan_classically",
     "plan_explicably",
     "rank",

@@ -80,7 +80,7 @@ def plan_explicably(
     labeller: "Labeller",
     *,
     alpha: float = 1.0,
-    algorithm: Algorithm = "lazy",
+    algorithm: Algorithm = "default",
     expected: bool = True,
     closing: Closing = "state",
     time_limit_s: float | None = None,
@@ -99,7 +99,8 @@ def plan_explicably(
         Price of one inexplicable step, in the unit of cost.
     algorithm
         Of the search for the first plan: ``"lazy"`` or ``"eager"`` best-first search by ``f = g + h``;
-        ``"ff"``: enforced hill-climbing first, as in the paper.
+        ``"default"``: lazy, with look-ahead where the task is large; ``"ff"``: enforced hill-climbing first,
+        as in the paper.
     expected
         Count inexplicable steps by their expectation; False: by the most probable labels, as in the paper.
     closing
@@ -127,6 +128,19 @@ def plan_explicably(
             options["scorer"] = scorer if expected else labeller.scorer(team_task, expected=True)
             results.append(search(team_task.task, "anytime", time_limit_s=limit_s, **options))
     return _team_plan(team_task, results, labeller, alpha)
+
+
+def plan_as_in_paper(
+    team_task: TeamTask, labeller: "Labeller", *, time_limit_s: float | None = None, seed: int = 0
+) -> TeamPlan:
+    """Plan with the paper's own settings.
+
+    Eq. 4 in enforced hill-climbing and then in best-first search, steps counted by their most probable labels,
+    states closed alone, and the first plan is the answer.
+    """
+    return plan_explicably(
+        team_task, labeller, algorithm="ff", expected=False, time_limit_s=time_limit_s, improve_s=0, seed=seed
+    )
 
 
 class _Options(TypedDict):
