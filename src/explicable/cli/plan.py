@@ -3,7 +3,7 @@
 import json
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import click
 
@@ -11,6 +11,7 @@ from explicable.cli import EXIT_INTERRUPTED, EXIT_LIMIT, EXIT_UNSOLVABLE
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
 
 if TYPE_CHECKING:
+    from explicable.model.team import TeamTask
     from explicable.planning import TeamPlan, ToldPlan
     from explicable.search import Algorithm
 
@@ -91,27 +92,14 @@ def plan(
     read = time.perf_counter()
     team_task = ground_team(problem)
     grounded = time.perf_counter()
-    if problem.human is not None and not team_task.mental.goal_reachable:
-        click.echo(
-            "explicable: warning: in the human model the goal can't be reached, so the person expects no"
-            " plan; --ignore-human plans without that model",
-            err=True,
-        )
+    _warn_of_hopeless_mental_model(team_task)
+    limits: _Limits = {"time_limit_s": time_limit, "seed": seed}
     if labeller is None or planner == "ff":
-        result = plan_classically(
-            team_task, labeller=labeller, algorithm=algorithm or "default", time_limit_s=time_limit, seed=seed
-        )
+        result = plan_classically(team_task, labeller=labeller, algorithm=algorithm or "default", **limits)
     elif mode == "paper":
-        result = plan_as_in_paper(team_task, labeller, time_limit_s=time_limit, seed=seed)
+        result = plan_as_in_paper(team_task, labeller, **limits)
     else:
-        result = plan_explicably(
-            team_task,
-            labeller,
-            alpha=alpha,
-            algorithm=algorithm or "default",
-            time_limit_s=time_limit,
-            seed=seed,
-        )
+        result = plan_explicably(team_task, labeller, alpha=alpha, algorithm=algorithm or "default", **limits)
     text = format_plan(result.plan.actions, result.plan.cost) if result.plan else None
     if output and text:
         write_whole(output, text)
@@ -124,6 +112,20 @@ def plan(
     else:
         click.echo(f"no plan: {result.outcome.value}", err=True)
     return exit_code(result)
+
+
+class _Limits(TypedDict):
+    time_limit_s: float | None
+    seed: int
+
+
+def _warn_of_hopeless_mental_model(team_task: "TeamTask") -> None:
+    if team_task.problem.human is not None and not team_task.mental.goal_reachable:
+        click.echo(
+            "explicable: warning: in the human model the goal can't be reached, so the person expects no"
+            " plan; --ignore-human plans without that model",
+            err=True,
+        )
 
 
 def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:

@@ -135,11 +135,18 @@ def plan_as_in_paper(
 ) -> TeamPlan:
     """Plan with the paper's own settings.
 
-    Eq. 4 in enforced hill-climbing and then in best-first search, steps counted by their most probable labels,
-    states closed alone, and the first plan is the answer.
+    Eq. 4 in enforced hill-climbing and then in best-first search, steps counted by their most probable
+    labels, states closed alone, and the first plan is the answer.
     """
     return plan_explicably(
-        team_task, labeller, algorithm="ff", expected=False, time_limit_s=time_limit_s, improve_s=0, seed=seed
+        team_task,
+        labeller,
+        algorithm="ff",
+        expected=False,
+        closing="state",
+        time_limit_s=time_limit_s,
+        improve_s=0,
+        seed=seed,
     )
 
 
