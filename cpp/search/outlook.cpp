@@ -12,7 +12,7 @@ namespace explicable {
 
 namespace {
 
-constexpr std::int32_t max_states = 100'000, max_places = 400'000;
+constexpr std::int32_t max_states = 100'000, max_places = 250'000;
 
 std::size_t padded(std::size_t size) {
     constexpr std::size_t alignment = alignof(std::max_align_t);

@@ -141,3 +141,26 @@ def test_one_message_and_a_documented_exit_code(place, arguments, code, message)
     assert done.returncode == code, done
     assert message in done.stderr
     assert len(done.stderr.splitlines()) <= 4
+
+
+def test_front_lists_plans_and_chooses_by_budget(place):
+    options = ["--max-cost-increase", "0.5", "-o", "chosen.plan", "--json"]
+    done = explicable(place, "front", "labeller.json", *TEAM, *HUMAN, *options)
+    assert done.returncode == 0, done.stderr
+    record = json.loads(done.stdout)
+    chosen = record["plans"][record["chosen"]]
+    assert chosen["is_proved"]
+    assert chosen["cost"] <= 1.5 * record["plans"][0]["cost"]
+    lines = (place / "chosen.plan").read_text().splitlines()
+    assert lines == [*chosen["plan"], f"; cost = {chosen['cost']}"]
+    text = explicable(place, "front", "labeller.json", *TEAM, *HUMAN)
+    assert len(text.stdout.splitlines()) == len(record["plans"])
+    assert text.stdout.startswith("cost = ")
+
+
+def test_front_refuses_what_has_no_meaning(place):
+    for options in (["-o", "x.plan"], ["--max-cost-increase", "-1"], ["--max-alpha", "nan"]):
+        done = explicable(place, "front", "labeller.json", *TEAM, *HUMAN, *options)
+        assert done.returncode == 2, done.stderr
+    done = explicable(place, "front", "labeller.json", *TEAM, *HUMAN, "--min-explicability", "1")
+    assert done.returncode == 5

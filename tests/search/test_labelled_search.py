@@ -10,7 +10,7 @@ from explicable.errors import UsageError
 from explicable.model.grounding import ground
 from explicable.search import Outcome, search
 from oracles.explicable_search import best_first, climb, least_objective
-from oracles.tiny_tasks import TinyTask
+from oracles.tiny_tasks import TinyEffect, TinyOperator, TinyTask
 
 
 def grounded(tiny, data):
@@ -102,6 +102,38 @@ def test_a_python_scorer_is_as_good_as_a_compiled_one(tiny, data, algorithm, clo
     compiled = search(task, algorithm, scorer=_core.CountingScorer(weights), closing=closing)
     asked = _core.CallbackScorer(task.core, Counting(weights))
     assert search(task, algorithm, scorer=asked, closing=closing).operators == compiled.operators
+
+
+@settings(max_examples=50)
+@given(tiny_tasks(min_cost=1), st.data(), st.sampled_from(["count", "ratio"]))
+def test_a_scorer_without_bounds_proves_the_same_objective(tiny, data, distance):
+    task, weights = grounded(tiny, data)
+    compiled = search(task, "anytime", scorer=_core.CountingScorer(weights), alpha=0.5, distance=distance)
+    asked = _core.CallbackScorer(task.core, Counting(weights))
+    result = search(task, "anytime", scorer=asked, alpha=0.5, distance=distance)
+    assert (result.objective, result.is_optimal) == (
+        None if compiled.objective is None else pytest.approx(compiled.objective),
+        compiled.is_optimal,
+    )
+
+
+def test_a_gap_is_enough_of_a_proof():
+    # Two ways: one step that is inexplicable at 0.9, and two steps that are explicable.
+    steps = (
+        TinyOperator(frozenset([0]), (TinyEffect(frozenset(), frozenset([2]), frozenset()),), 1),
+        TinyOperator(frozenset([0]), (TinyEffect(frozenset(), frozenset([1]), frozenset()),), 1),
+        TinyOperator(frozenset([1]), (TinyEffect(frozenset(), frozenset([2]), frozenset()),), 1),
+    )
+    task = ground(TinyTask(3, steps, frozenset([0]), frozenset([2])).problem())
+    weights = [0.9 if task.action(operator) == ("a0",) else 0.0 for operator in range(task.num_operators)]
+    scorer = _core.CountingScorer(weights)
+    exact = search(task, "anytime", scorer=scorer, alpha=2.0)
+    assert (exact.objective, exact.lower_bound, exact.is_optimal) == (2.0, 2.0, True)
+    rough = search(task, "anytime", scorer=scorer, alpha=2.0, gap=0.5)
+    assert rough.lower_bound <= 2.0 <= rough.objective
+    assert rough.lower_bound >= 0.5 * rough.objective
+    with pytest.raises(UsageError, match="gap"):
+        search(task, "anytime", gap=1.0)
 
 
 def test_errors_of_a_python_scorer_come_through():

@@ -35,6 +35,7 @@ COMMANDS = {
     "tell": "explicable.cli.explain",
     "measure": "explicable.cli.measures",
     "rank": "explicable.cli.measures",
+    "front": "explicable.cli.front",
     "traces": "explicable.cli.labels",
     "first-response": "explicable.cli.first_response",
 }

@@ -2,6 +2,7 @@
 
 from explicable.planning.differences import Difference, correct, find_differences
 from explicable.planning.explanation import Finding, StepExplanation, explain
+from explicable.planning.front import FrontPlan, choose, front
 from explicable.planning.measures import Measures, measure
 from explicable.planning.planner import (
     TeamPlan,
@@ -19,6 +20,7 @@ from explicable.planning.telling import ToldPlan, conform_or_explain
 __all__ = [
     "Difference",
     "Finding",
+    "FrontPlan",
     "HumanModel",
     "Measures",
     "PredictedSteps",
@@ -27,10 +29,12 @@ __all__ = [
     "TeamPlan",
     "ToldPlan",
     "check_alpha",
+    "choose",
     "conform_or_explain",
     "correct",
     "explain",
     "find_differences",
+    "front",
     "joint_plan",
     "measure",
     "objective",

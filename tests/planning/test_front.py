@@ -1,0 +1,96 @@
+"""The front of cost and explicability, against the search for single alphas."""
+
+import itertools
+import math
+from dataclasses import replace
+
+import pytest
+
+from explicable.errors import UsageError
+from explicable.first_response.encoding import encode
+from explicable.first_response.world import parse_map
+from explicable.labelling.crf import ConditionalRandomField
+from explicable.labelling.labeller import Labeller
+from explicable.model.grounding import ground_team
+from explicable.model.team import TeamProblem
+from explicable.planning import choose, front, plan_explicably
+from planning.floors import SCHEMAS, floor
+
+# Two obstacles in the way: two more steps avoid the first, four more the second as well.
+MAZE = "########\n#@o.o.*#\n#...#..#\n###.#.##\n###...##\n########\n"
+
+
+def judge_of_breaking():
+    """A labeller by hand: breaking an obstacle is inexplicable."""
+    weights = {"step: move": 3.0, "step: visit-room": 3.0, "step: remove-obstacle": -3.0}
+    rows = [[weight, 0.0] for weight in weights.values()]
+    model = ConditionalRandomField.from_weights([True, False], list(weights), rows, [[0, 0], [0, 0]])
+    return Labeller(model, schemas=SCHEMAS)
+
+
+@pytest.fixture(scope="module")
+def maze():
+    return floor(MAZE), judge_of_breaking()
+
+
+@pytest.fixture(scope="module")
+def plans(maze):
+    return front(*maze, max_alpha=20.0)
+
+
+def test_at_every_alpha_the_front_holds_a_plan_of_least_objective(maze, plans):
+    assert [found.plan.cost for found in plans] == [7, 9, 13]
+    assert all(found.is_proved for found in plans)
+    for alpha in (0.01, 0.3, 1.0, 2.5, 7.0, 19.0):
+        least = plan_explicably(*maze, alpha=alpha)
+        assert least.lower_bound == pytest.approx(least.objective)
+        values = [found.plan.cost + alpha * found.num_inexplicable for found in plans]
+        assert min(values) == pytest.approx(least.objective, abs=1e-5)
+        (best,) = (found for found in plans if found.alpha_from < alpha < found.alpha_to)
+        assert best.plan.cost + alpha * best.num_inexplicable == pytest.approx(min(values))
+
+
+def test_costs_rise_and_inexplicable_steps_fall_along_the_front(plans):
+    for left, right in itertools.pairwise(plans):
+        assert left.plan.cost < right.plan.cost
+        assert left.num_inexplicable > right.num_inexplicable
+        assert left.alpha_from < left.alpha_to == right.alpha_from
+    assert (plans[0].alpha_from, plans[-1].alpha_to) == (0.0, math.inf)
+
+
+def test_a_budget_chooses_from_the_front(plans):
+    assert choose(plans, max_cost_increase=0.0) is plans[0]
+    assert choose(plans, max_cost_increase=100.0) is plans[-1]
+    assert choose(plans, min_explicability=0.0) is plans[0]
+    assert choose(plans, min_explicability=plans[-1].explicability) is not None
+    assert choose(plans, min_explicability=1.0) is None
+    assert choose(plans, min_explicability=1.0, max_cost_increase=1.0) is None
+    assert choose((), max_cost_increase=1.0) is None
+
+
+@pytest.mark.parametrize(
+    "budget",
+    [
+        {},
+        {"max_cost_increase": -0.1},
+        {"max_cost_increase": math.inf},
+        {"max_cost_increase": math.nan},
+        {"min_explicability": 1.1},
+        {"min_explicability": math.nan},
+    ],
+)
+def test_budgets_without_meaning_are_refused(plans, budget):
+    with pytest.raises(UsageError):
+        choose(plans, **budget)
+
+
+@pytest.mark.parametrize("alpha", [0.0, -1.0, math.inf, math.nan])
+def test_the_largest_alpha_must_be_a_price(maze, alpha):
+    with pytest.raises(UsageError, match="alpha"):
+        front(*maze, max_alpha=alpha)
+
+
+def test_no_plan_no_front():
+    problem = encode(parse_map(MAZE))
+    nowhere = replace(problem.robot, init=tuple(fact for fact in problem.robot.init if fact[0] != "at"))
+    assert front(ground_team(TeamProblem(nowhere, problem.human)), judge_of_breaking()) == ()
