@@ -82,3 +82,12 @@ def test_a_temperature_without_meaning_is_refused(temperature):
         step_probabilities(team, [visit(1, 3)], temperature=temperature)
     with pytest.raises(UsageError, match="temperature"):
         recognise(team, [], [], temperature=temperature)
+
+
+def test_a_jump_over_what_is_impossible_for_the_person_is_no_more_than_predictable():
+    # The robot passes where the person believes in rubble: nearer to the goal than seemed possible.
+    problem = floor(DETOUR).problem
+    team = ground_team(type(problem)(problem.mental, problem.robot))
+    seen = recognise(team, moves((1, 1), (1, 2), (1, 3)), [[("at", "r1", "c-2-1")]], temperature=1e-3)
+    assert seen.predictability == (1, 0, 1)  # within the rubble the person sees no way on
+    assert all(sum(row) == pytest.approx(1) for row in seen.goal_probabilities)

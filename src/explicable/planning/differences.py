@@ -6,7 +6,7 @@ and costs, each of which the person can be told. What humans can do and what is 
 telling, so differences in them do not count.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from explicable.model.explanation import format_formula
@@ -15,19 +15,16 @@ from explicable.model.problem import (
     TRUE,
     ActionSchema,
     And,
-    Atom,
     Domain,
     Effect,
-    Exists,
-    Forall,
     Formula,
     FunctionTerm,
     GroundAtom,
     Not,
-    Or,
     Problem,
 )
 from explicable.model.team import TeamProblem, schema_kind
+from explicable.planning.schemas import conjuncts, renamed, terms
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,9 +168,9 @@ def correct(problem: TeamProblem, told: Iterable[Difference]) -> TeamProblem:
                 else:
                     del schemas[name]
             case SchemaDifference(name):
-                renamed = _renamed(schemas[name], own[name])
-                if renamed is not None:
-                    schemas[name] = _corrected(renamed, difference)
+                schema = renamed(schemas[name], own[name])
+                if schema is not None:
+                    schemas[name] = _corrected(schema, difference)
     domain = replace(human.domain, actions=tuple(schemas.values()))
     return replace(problem, human=replace(human, domain=domain, init=tuple(init), values=values))
 
@@ -187,7 +184,7 @@ def _corrected(schema: ActionSchema, difference: SchemaDifference) -> ActionSche
         case tuple(cost):
             return replace(schema, cost=cost)
         case formula:
-            parts = tuple(part for part in _conjuncts(schema.precondition) if part != formula)
+            parts = tuple(part for part in conjuncts(schema.precondition) if part != formula)
             return replace(
                 schema,
                 precondition=And((*parts, formula) if difference.present else parts),  # type: ignore[arg-type]
@@ -235,25 +232,25 @@ def _objects(difference: Difference) -> Iterator[str]:
         case formula:
             formulas = [formula]
     for formula in formulas:
-        yield from (term for term in _terms(formula) if not term.startswith("?"))
+        yield from (term for term in terms(formula) if not term.startswith("?"))
 
 
 def _schema_differences(own: Domain, theirs: Domain) -> Iterator[SchemaDifference]:
     believed = {schema.name: schema for schema in theirs.actions if schema_kind(theirs, schema) == "robot"}
     true = {schema.name: schema for schema in own.actions if schema_kind(own, schema) == "robot"}
     for name, schema in true.items():
-        renamed = _renamed(believed[name], schema) if name in believed else None
-        if renamed is None:
+        other = renamed(believed[name], schema) if name in believed else None
+        if other is None:
             yield SchemaDifference(name, schema)
         else:
-            yield from _part_differences(schema, renamed)
-    for name in believed.keys() - true.keys():
+            yield from _part_differences(schema, other)
+    for name in sorted(believed.keys() - true.keys()):
         yield SchemaDifference(name, believed[name], present=False)
 
 
 def _part_differences(own: ActionSchema, theirs: ActionSchema) -> Iterator[SchemaDifference]:
     pairs: tuple[tuple[tuple[Formula | Effect, ...], tuple[Formula | Effect, ...]], ...] = (
-        (tuple(_conjuncts(own.precondition)), tuple(_conjuncts(theirs.precondition))),
+        (tuple(conjuncts(own.precondition)), tuple(conjuncts(theirs.precondition))),
         (own.effects, theirs.effects),
     )
     for mine, believed in pairs:
@@ -261,76 +258,3 @@ def _part_differences(own: ActionSchema, theirs: ActionSchema) -> Iterator[Schem
         yield from (SchemaDifference(own.name, part, present=False) for part in believed if part not in mine)
     if own.cost != theirs.cost:
         yield SchemaDifference(own.name, own.cost)
-
-
-def _renamed(schema: ActionSchema, like: ActionSchema) -> ActionSchema | None:
-    """Give a schema the parameter names of another; None if the two are not of the same form."""
-    if [p.types for p in schema.parameters] != [p.types for p in like.parameters]:
-        return None
-    if schema.parameters == like.parameters:
-        return schema
-    names = {p.name: q.name for p, q in zip(schema.parameters, like.parameters, strict=True)}
-    conditions = (schema.precondition, *(effect.condition for effect in schema.effects))
-    bound = {name for formula in conditions for name in _bound(formula)}
-    bound |= {parameter.name for effect in schema.effects for parameter in effect.parameters}
-    if bound & {*names, *names.values()}:
-        return None  # renaming would have to mind what hides what
-    return ActionSchema(
-        name=schema.name,
-        parameters=like.parameters,
-        precondition=_substituted(schema.precondition, names),
-        effects=tuple(
-            replace(e, atom=_renamed_atom(e.atom, names), condition=_substituted(e.condition, names))
-            for e in schema.effects
-        ),
-        cost=tuple(
-            a if isinstance(a, int) else replace(a, terms=tuple(names.get(t, t) for t in a.terms))
-            for a in schema.cost
-        ),
-    )
-
-
-def _substituted(formula: Formula, names: Mapping[str, str]) -> Formula:
-    match formula:
-        case Atom():
-            return _renamed_atom(formula, names)
-        case Not(body):
-            return Not(_substituted(body, names))
-        case And(parts) | Or(parts):
-            return replace(formula, parts=tuple(_substituted(part, names) for part in parts))
-        case Exists(_, body) | Forall(_, body):
-            return replace(formula, body=_substituted(body, names))
-
-
-def _renamed_atom(atom: Atom, names: Mapping[str, str]) -> Atom:
-    return replace(atom, terms=tuple(names.get(term, term) for term in atom.terms))
-
-
-def _subformulas(formula: Formula) -> Iterator[Formula]:
-    yield formula
-    match formula:
-        case Not(body) | Exists(_, body) | Forall(_, body):
-            yield from _subformulas(body)
-        case And(parts) | Or(parts):
-            for part in parts:
-                yield from _subformulas(part)
-
-
-def _bound(formula: Formula) -> Iterator[str]:
-    for part in _subformulas(formula):
-        if isinstance(part, Exists | Forall):
-            yield from (parameter.name for parameter in part.parameters)
-
-
-def _terms(formula: Formula) -> Iterator[str]:
-    for part in _subformulas(formula):
-        if isinstance(part, Atom):
-            yield from part.terms
-
-
-def _conjuncts(formula: Formula) -> Iterator[Formula]:
-    if isinstance(formula, And):
-        for part in formula.parts:
-            yield from _conjuncts(part)
-    else:
-        yield formula

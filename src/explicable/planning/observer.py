@@ -237,7 +237,7 @@ def recognise(
     return Recognition(
         goal_probabilities=tuple(posteriors),
         legibility=told / sum(weights) if weights else posteriors[0][0],
-        predictability=tuple(min(1.0, math.exp(-row[0] / temperature)) for row in detours),
+        predictability=tuple(math.exp(min(0.0, -row[0] / temperature)) for row in detours),
     )
 
 
