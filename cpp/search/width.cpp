@@ -10,6 +10,7 @@ namespace explicable {
 namespace {
 
 constexpr int least_pair_bits = 20, most_pair_bits = 29;  // logarithms: 128 KiB to 64 MiB
+constexpr std::size_t most_pairs = std::size_t{1} << 20;  // entered for one state
 
 }  // namespace
 
@@ -23,7 +24,8 @@ NoveltyTable::NoveltyTable(std::int32_t num_facts) : num_facts_(num_facts) {
     if (!pairs_seen_) throw std::bad_alloc();
 }
 
-int NoveltyTable::novelty(std::uint32_t state_class, std::span<const FactId> added, std::span<const FactId> facts) {
+int NoveltyTable::novelty(std::uint32_t state_class, std::span<const FactId> added, std::span<const FactId> by_last_step,
+                          std::span<const FactId> facts) {
     if (state_class >= facts_seen_.size()) facts_seen_.resize(state_class + 1);
     auto& seen = facts_seen_[state_class];
     if (seen.empty()) seen.resize(num_facts_);
@@ -33,6 +35,7 @@ int NoveltyTable::novelty(std::uint32_t state_class, std::span<const FactId> add
         seen[fact] = true;
     }
     if (new_fact) return 1;
+    if (added.size() * facts.size() > most_pairs) added = by_last_step;
     for (const FactId fact : added) {
         for (const FactId other : facts) new_pair |= enter_pair(state_class, fact, other);
     }
@@ -115,7 +118,7 @@ bool WidthSearch::admit(NodeId node, NodeId parent, Monitor& monitor) {
     const Progress& progress = progress_.back();
     const std::uint32_t state_class = class_of(progress);
     const bool same_class = parent >= 0 && class_of(progress_[parent]) == state_class;
-    const int novelty = novelty_.novelty(state_class, same_class ? added_ : facts_, facts_);
+    const int novelty = novelty_.novelty(state_class, same_class ? added_ : facts_, added_, facts_);
     open_.push({static_cast<double>(novelty), static_cast<double>(num_open)}, node);
     return false;
 }

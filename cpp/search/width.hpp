@@ -18,8 +18,10 @@ public:
     explicit NoveltyTable(std::int32_t num_facts);
 
     // 1: some fact of `added` is new in the class; 2: some pair with a fact of `added` is; else 3. Enters the facts and, unless
-    // a fact is new, the pairs: to enter them always costs much in a class that has just begun, and gains little.
-    int novelty(std::uint32_t state_class, std::span<const FactId> added, std::span<const FactId> facts);
+    // a fact is new, the pairs: to enter them always costs much in a class that has just begun, and gains little. Where there
+    // would be too many, only those with the facts added by the last step.
+    int novelty(std::uint32_t state_class, std::span<const FactId> added, std::span<const FactId> by_last_step,
+                std::span<const FactId> facts);
     std::size_t memory_bytes() const;
 
 private:
