@@ -14,6 +14,7 @@ BestFirstSearch::BestFirstSearch(const Question& question, BestFirstOptions opti
 
 Status BestFirstSearch::run(Monitor& monitor, std::int64_t slice) {
     const std::int64_t end = end_of_slice(monitor, slice);
+    if (options_.admissible) options_.admissible->monitor = &monitor;
     if (!started_) {
         started_ = true;
         const NodeId root = nodes_.add_root(question_.initial);

@@ -58,8 +58,13 @@ public:
     bool may_go_on(const Memory& memory) {
         if (evaluations >= limits_.evaluations) stop_ = Stop::evaluations;
         look_at_the_clock();
-        if ((++steps_ & 255) == 0 && memory() > limits_.memory_bytes) stop_ = Stop::memory;
+        if ((++steps_ & 31) == 0 && memory() > limits_.memory_bytes) stop_ = Stop::memory;
         return stop_ == Stop::none;
+    }
+    // For what takes long within a step.
+    bool is_time_up() {
+        look_at_the_clock();
+        return stop_ != Stop::none;
     }
     void out_of_memory() { stop_ = Stop::memory; }
     Stop stop() const { return stop_; }

@@ -50,6 +50,7 @@ double LandmarkCut::evaluate(const State& state) {
     if (!cuts_) return fact_cost_[goal_fact_];
     double sum = 0.0;
     while (fact_cost_[goal_fact_] > 0) {
+        if (monitor && monitor->is_time_up()) return sum + fact_cost_[goal_fact_];
         std::fill(zone_.begin(), zone_.end(), Zone::none);
         mark_goal_zone();
         find_cut(state);

@@ -17,6 +17,8 @@ public:
     virtual ~AdmissibleHeuristic() = default;
     // A lower bound on the cost from `state` to the goal; dead_end if there is no way.
     virtual double evaluate(const State& state) = 0;
+
+    Monitor* monitor = nullptr;  // if any; once it wants to stop, a lower bound that takes less time will do
 };
 
 // The cheapest operator's cost in any state that is no goal.
