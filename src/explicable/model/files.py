@@ -8,6 +8,13 @@ from pathlib import Path
 def write_whole(path: str | Path, content: str | bytes) -> None:
     """Write a file aside, then rename it into place, so that no reader ever sees half of it.
 
+    Missing folders are made. A symbolic link is followed; a pipe or a device is written to as it stands.
+
+    Raises
+    ------
+    OSError
+        With ``path`` as its file name.
+
     Examples
     --------
     >>> import tempfile
@@ -16,10 +23,20 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
     ...     (Path(folder) / "plan.txt").read_text()
     '(wait)'
     """
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     data = content.encode() if isinstance(content, str) else content
-    handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        if Path(path).exists() and not Path(path).is_file():
+            Path(path).write_bytes(data)  # renaming would put a file in the place of, say, /dev/null
+        else:
+            _replace(Path(os.path.realpath(path)), data)
+    except OSError as error:
+        error.filename, error.filename2 = str(path), None  # not the one aside, which nobody has asked for
+        raise
+
+
+def _replace(path: Path, data: bytes) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, aside = tempfile.mkstemp(dir=path.parent, prefix=".explicable.")
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
