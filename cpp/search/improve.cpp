@@ -179,6 +179,7 @@ void improve_objective(const Question& question, const SearchOptions& options, M
         return best.objective - rounding;
     };
     if (!outlook.prepare(monitor, best.objective - rounding, offer)) return;
+    answer.lower_bound = std::min(outlook.from_start(), best.objective);
     if (!outlook.is_complete()) {
         for (const double weight : {3.0, 1.5}) {
             ObjectiveSearch(question, best, closing, outlook, weight).run(monitor, slice, options.gap, best);
@@ -187,7 +188,7 @@ void improve_objective(const Question& question, const SearchOptions& options, M
     ObjectiveSearch search(question, best, closing, outlook, 1.0);
     search.run(monitor, std::numeric_limits<std::int64_t>::max(), options.gap, best);
     if (can_dilute) return;
-    answer.lower_bound = search.lower_bound(best);
+    answer.lower_bound = std::max(answer.lower_bound, search.lower_bound(best));
     answer.is_optimal = answer.lower_bound >= best.objective - rounding;
 }
 

@@ -200,6 +200,14 @@ double Outlook::operator()(const Word* words, const std::byte* context) const {
     return place >= 0 ? ahead_[place] : cost_to_go_(words);
 }
 
+double Outlook::from_start() const {
+    std::vector<Word> words(packer_.num_words());
+    packer_.pack(question_.initial, words.data());
+    std::vector<std::byte> context(scorer_ ? scorer_->context_size() : 0);
+    if (scorer_) scorer_->root(question_.initial, context.data());
+    return (*this)(words.data(), context.data());
+}
+
 std::size_t Outlook::memory_bytes() const {
     return cost_to_go_.memory_bytes() + places_.memory_bytes() + contexts_.memory_bytes() +
            graph_.edges.capacity() * sizeof(StepGraph::Edge) + ahead_.capacity() * sizeof(double);

@@ -62,6 +62,7 @@ public:
 
     // `words`: the packed state.
     double operator()(const Word* words, const std::byte* context) const;
+    double from_start() const;
     std::size_t memory_bytes() const;
     bool is_complete() const { return is_complete_; }
 
