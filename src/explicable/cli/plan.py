@@ -1,6 +1,5 @@
 """`explicable plan`: a plan for any PDDL task, joint if the domain says which agent owns which action."""
 
-import json
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
@@ -104,6 +103,8 @@ def plan(
     if output and text:
         write_whole(output, text)
     if as_json:
+        import json
+
         times = {"read_s": read - started, "ground_s": grounded - read, "search_s": result.search_s}
         click.echo(json.dumps(describe(result, times)))
     elif text:
