@@ -142,6 +142,18 @@ def test_weights_that_are_no_finite_numbers_are_refused(labeller, tmp_path, weig
         Labeller.load(path)
 
 
+@pytest.mark.parametrize(("part", "weight"), [("weights", 1e14), ("transitions", -301), ("weights", 10**400)])
+def test_weights_that_the_core_cannot_count_with_are_refused(labeller, tmp_path, part, weight):
+    path = tmp_path / "labeller.json"
+    labeller.save(path)
+    content = json.loads(path.read_text())
+    del content["sha256"]
+    content["model"][part][0][0] = weight
+    path.write_text(json.dumps(content | {"sha256": checksum(content)}))
+    with pytest.raises(LabellerError, match=f"a row of '{part}'"):
+        Labeller.load(path)
+
+
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe", b"[]", b"[" * 100_000, b"pickle"])
 def test_foreign_files_are_refused(tmp_path, content):
     path = tmp_path / "labeller.json"

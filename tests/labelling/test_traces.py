@@ -97,6 +97,7 @@ def test_problem_by_file_and_checksum(tmp_path, record):
         ({"format": "something"}, "not a trace"),
         ({"version": 2}, "version 2"),
         ({"origin": "robot"}, "origin"),
+        ({"origin": []}, "origin"),
         ({"steps": {}}, "steps must be a list"),
         ({"steps": [3]}, "step 1 must be an object"),
         ({"steps": [{"agent": "r1", "operator": "(move", "label": None}]}, "step 1: expected one step"),

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +20,10 @@ FORMAT = "explicable-labeller"
 VERSION = 1
 LABELS = ("explicable", "inexplicable")
 EMPTY_LABEL = "inexplicable"
+MAX_WEIGHT = 1e6
+"""Largest weight of a feature: the core takes sums of up to 1e9, and no step has a thousand features."""
+MAX_TRANSITION = 300.0
+"""Largest weight of a transition, whose exponential the path scorer keeps."""
 
 _KEYS = frozenset(
     (
@@ -157,29 +160,28 @@ class _Reader:
     def model(self, names: "Sequence[str]", data: object) -> ConditionalRandomField:
         if not isinstance(data, dict) or data.keys() != {"weights", "transitions"}:
             self.refuse("damaged: a model must have 'weights' and 'transitions'")
-        weights = self.matrix("weights", data["weights"], len(names))
-        transitions = self.matrix("transitions", data["transitions"], len(CLASSES))
+        weights = self.matrix("weights", data["weights"], len(names), MAX_WEIGHT)
+        transitions = self.matrix("transitions", data["transitions"], len(CLASSES), MAX_TRANSITION)
         try:
             return ConditionalRandomField.from_weights(CLASSES, names, weights, transitions)
         except UsageError as error:
             self.refuse(f"damaged: {error}")
 
-    def matrix(self, what: str, data: object, num_rows: int) -> list[list[float]]:
+    def matrix(self, what: str, data: object, num_rows: int, limit: float) -> list[list[float]]:
         if not isinstance(data, list) or len(data) != num_rows:
             self.refuse(f"damaged: {what!r} must have {num_rows} rows")
         for row in data:
-            if not isinstance(row, list) or len(row) != len(CLASSES) or not all(map(_is_weight, row)):
-                self.refuse(f"damaged: a row of {what!r} must hold {len(CLASSES)} finite numbers")
+            if (
+                not isinstance(row, list)
+                or len(row) != len(CLASSES)
+                or not all(_is_weight(weight, limit) for weight in row)
+            ):
+                self.refuse(f"damaged: a row of {what!r} must hold {len(CLASSES)} numbers within +-{limit:g}")
         return data
 
 
-def _is_weight(value: object) -> bool:
-    return (
-        isinstance(value, int | float)
-        and not isinstance(value, bool)
-        and abs(value) < 1e15
-        and math.isfinite(value)
-    )
+def _is_weight(value: object, limit: float) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= limit
 
 
 def _refuse_constant(name: str) -> NoReturn:

@@ -124,7 +124,7 @@ class RecordReader:
         if data.get("version") != VERSION or isinstance(data["version"], bool):
             self._refuse(f"can't read traces of version {data.get('version')!r}, only of version {VERSION}")
         self._check_keys("the trace", data, _KEYS, required=("problem", "steps", "annotator", "origin"))
-        if data["origin"] not in {"person", "simulated"}:
+        if data["origin"] not in ("person", "simulated"):
             self._refuse(f'origin must be "person" or "simulated", not {_show(data["origin"])}')
         steps, notes = data["steps"], data.get("notes", {})
         if not isinstance(steps, list):

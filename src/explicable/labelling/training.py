@@ -261,8 +261,8 @@ def check_sample_weight(sample_weight: ArrayLike | None, num_sequences: int) -> 
 
 
 def _check_number(name: str, value: float) -> None:
-    if not (math.isfinite(value) and value >= 0):
-        raise UsageError(f"{name} must be finite and at least 0, not {value}")
+    if not 0 <= value <= 1e9:  # beyond, gradients overflow
+        raise UsageError(f"{name} must be from 0 to 1e9, not {value}")
 
 
 def _classes_of(labels: list[list[Any]]) -> list[Any]:
