@@ -1,0 +1,164 @@
+// How steps change the distance to requests and goals: tables made once, and what a step looks up in them.
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+#include "labelling/distances.hpp"
+#include "labelling/team_tables.hpp"
+
+namespace explicable {
+namespace {
+
+Progress judge(Distance before, Distance after) {
+    if (before == kNoWay) return after == kNoWay ? Progress::kUnconcerned : Progress::kNearer;
+    if (after == kNoWay) return Progress::kNoWay;
+    const int regret = after + 1 - before;
+    if (regret < 0) return Progress::kShortcut;
+    if (regret == 0) return Progress::kNearer;
+    if (regret == 1) return Progress::kSame;
+    return regret == 2 ? Progress::kFarther : Progress::kMuchFarther;
+}
+
+Distance nearest(std::span<const FactId> facts, const std::vector<Distance>& distance) {
+    Distance least = kNoWay;
+    for (const auto fact : facts) least = std::min(least, distance[fact]);
+    return least;
+}
+
+}  // namespace
+
+void TeamTables::measure_requests(const Measure& measure) {
+    const auto width = request_facts.size();
+    const auto num_operators = schema.size();
+    if (width > 0 && num_operators > kMaxEntries / width) throw std::length_error("too many operators times requests");
+    toward_request_.resize(width * num_operators);
+    std::vector<std::vector<FactId>> sources;
+    for (OperatorId op = 0; op < this->num_operators(); ++op) sources.push_back(used_up(measure.composite, op));
+    for (std::size_t request = 0; request < width; ++request) {
+        const auto distance = measure.to_request(request_facts[request]);
+        for (OperatorId op = 0; op < this->num_operators(); ++op) {
+            std::array<Progress, 2> progress;
+            for (std::size_t model = 0; model < 2; ++model)
+                progress[model] = judge(nearest(sources[op], distance[model]), nearest(adds_[op], distance[model]));
+            if (std::ranges::find(fulfils[op], static_cast<std::int32_t>(request)) != fulfils[op].end())
+                progress = {Progress::kDone, Progress::kDone};
+            toward_request_[static_cast<std::size_t>(op) * width + request] = static_cast<std::uint8_t>(
+                static_cast<int>(progress[0]) * kNumProgress + static_cast<int>(progress[1]));
+        }
+    }
+}
+
+void TeamTables::measure_goals(const Measure& measure) {
+    const auto count = goals.size(), width = (count + kLanes - 1) / kLanes * kLanes;
+    width_ = width;
+    const auto num_facts = static_cast<std::size_t>(measure.composite.num_facts());
+    if (width > 0 && num_facts > kMaxEntries / (2 * width)) throw std::length_error("too many facts times goals");
+    std::vector<Distance> all(2 * width * num_facts, kNoWay);  // fact x model x goal
+    std::vector<bool> leads_somewhere(num_facts);
+    for (std::size_t goal = 0; goal < count; ++goal) {
+        const auto distance = measure.to_goal(goals[goal]);
+        for (std::size_t fact = 0; fact < num_facts; ++fact) {
+            for (std::size_t model = 0; model < 2; ++model) {
+                all[(2 * fact + model) * width + goal] = distance[model][fact];
+                if (distance[model][fact] != kNoWay) leads_somewhere[fact] = true;
+            }
+        }
+    }
+    find_tours(measure.composite, all);
+
+    std::int32_t num_places = 0;
+    const auto add_place = [&](std::span<const FactId> facts) {
+        const auto start = distances_.size();
+        if (start + 2 * width > kMaxEntries) throw std::length_error("too many places times goals");
+        distances_.resize(start + 2 * width, kNoWay);
+        for (const auto fact : facts)
+            for (std::size_t i = 0; i < 2 * width; ++i)
+                distances_[start + i] = std::min(distances_[start + i], all[2 * fact * width + i]);
+        return num_places++;
+    };
+    std::vector<std::int32_t> of_fact(num_facts, -1);
+    std::map<std::vector<FactId>, std::int32_t> of_facts;
+    const auto place_of = [&](std::vector<FactId> facts) {
+        std::erase_if(facts, [&](FactId fact) { return !leads_somewhere[fact]; });
+        if (facts.size() == 1) {
+            auto& place = of_fact[facts[0]];
+            return place >= 0 ? place : place = add_place(facts);
+        }
+        const auto [place, is_new] = of_facts.try_emplace(std::move(facts), num_places);
+        if (is_new) add_place(place->first);
+        return place->second;
+    };
+    for (OperatorId op = 0; op < num_operators(); ++op) {
+        from_.push_back(place_of(used_up(measure.composite, op)));
+        to_.push_back(place_of({adds_[op].begin(), adds_[op].end()}));
+    }
+}
+
+// tours_[open][first] = steps that the other open goals take after `first`, one after another in the best order. A
+// goal that does not depend on where the one before leaves off adds nothing.
+void TeamTables::find_tours(const Task& task, const std::vector<Distance>& distances) {
+    const auto count = goals.size();
+    if (count > kMaxTourGoals) return;
+    std::vector<int> between(count * count, kNoWay);
+    for (OperatorId op = 0; op < task.num_operators(); ++op) {
+        if (achieves[op].empty()) continue;
+        std::vector<FactId> after(adds_[op].begin(), adds_[op].end());
+        std::ranges::set_difference(task.preconditions[op], task.deletes[op], std::back_inserter(after));
+        for (const auto goal : achieves[op])
+            for (std::size_t other = 0; other < count; ++other)
+                for (const auto fact : after) {
+                    auto& steps = between[goal * count + other];
+                    steps = std::min<int>(steps, distances[2 * static_cast<std::size_t>(fact) * width_ + other]);
+                }
+    }
+    std::ranges::replace(between, static_cast<int>(kNoWay), 0);
+    tours_.assign(width_ << count, 0);
+    for (std::size_t open = 1; open < std::size_t{1} << count; ++open) {
+        for (std::size_t first = 0; first < count; ++first) {
+            const std::size_t others = open & ~(std::size_t{1} << first);
+            if (others == open || others == 0) continue;
+            int best = kNoWay - 1;
+            for (std::size_t next = 0; next < count; ++next)
+                if (others >> next & 1)
+                    best = std::min(best, between[first * count + next] + tours_[others * width_ + next]);
+            tours_[open * width_ + first] = static_cast<Distance>(best);
+        }
+    }
+}
+
+GoalProgress TeamTables::toward_goals(OperatorId step, const OpenGoals& open) const {
+    if (open.num_open() == 0) return {Progress::kNoTarget, Progress::kNoTarget, Progress::kNoTarget};
+    for (const auto goal : achieves[step])
+        if (open.is_open(goal)) return {Progress::kDone, Progress::kDone, Progress::kDone};
+    const Distance* const closed = open.closed();
+    const auto nearest = [closed, width = width_](const Distance* distance) {
+        Distance least = kNoWay;
+        for (std::size_t goal = 0; goal < width; goal += kLanes)
+            for (std::size_t lane = goal; lane < goal + kLanes; ++lane)
+                least = std::min(least, static_cast<Distance>(distance[lane] | closed[lane]));
+        return least;
+    };
+    const auto* const from = row(from_[step], Model::kMental);
+    const auto* const to = row(to_[step], Model::kMental);
+    GoalProgress progress{};
+    progress.mental = judge(nearest(from), nearest(to));
+    progress.own = judge(nearest(from + width_), nearest(to + width_));
+    if (goals.size() > kMaxTourGoals) {
+        progress.mission = progress.mental;
+        return progress;
+    }
+    const Distance* const tours = tours_.data() + open.bits() * width_;
+    const auto finish = [closed, tours, width = width_](const Distance* distance) {
+        int least = kNoWay;
+        for (std::size_t goal = 0; goal < width; goal += kLanes)
+            for (std::size_t lane = goal; lane < goal + kLanes; ++lane) {
+                const int here = distance[lane] | closed[lane];
+                least = std::min(least, here == kNoWay ? kNoWay : std::min(here + tours[lane], kNoWay - 1));
+            }
+        return static_cast<Distance>(least);
+    };
+    progress.mission = judge(finish(from), finish(to));
+    return progress;
+}
+
+}  // namespace explicable
