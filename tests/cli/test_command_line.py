@@ -203,6 +203,17 @@ def test_a_damaged_trace_or_labeller_is_named_with_its_line(place, tmp_path):
     assert not (tmp_path / "new.json").exists()
 
 
+def test_messages_name_the_file_that_is_at_fault(place, tmp_path):
+    (tmp_path / "empty.jsonl").write_text("")
+    trained = explicable("train", "empty.jsonl", "-o", "new.json", cwd=tmp_path)
+    assert (trained.code, trained.err[:24]) == (BAD_INPUT, "explicable: empty.jsonl:")
+    (tmp_path / "odd.plan").write_text("(fly r1 moon)\n")
+    labelled = explicable(
+        "label", place / "labeller.json", *(place / name for name in TASK), "odd.plan", cwd=tmp_path
+    )
+    assert (labelled.code, labelled.err[:21]) == (BAD_INPUT, "explicable: odd.plan:")
+
+
 def test_traces_are_checked_merged_and_split(place, tmp_path):
     whole = place / "traces.jsonl"
     assert explicable("traces", "check", whole).code == 0

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from explicable.cli.files import INPUT_FILE
+from explicable.cli.files import INPUT_FILE, read_labelled_traces
 
 if TYPE_CHECKING:
     from explicable.evaluation.demo import Record
@@ -33,9 +33,8 @@ def demo(out: Path, seed: int, traces_file: Path | None) -> None:
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     from explicable.evaluation.demo import NUM_PARTS, run_demo, write_demo
-    from explicable.labelling import read_traces
 
-    traces = read_traces(traces_file) if traces_file else None
+    traces = read_labelled_traces(traces_file) if traces_file else None
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:

@@ -1,13 +1,18 @@
 """What the commands share: reading a team problem from files named on the command line."""
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from explicable.errors import InputError, TraceError
 from explicable.model.team import TeamProblem
+
+if TYPE_CHECKING:
+    from explicable.labelling import Trace
 
 INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 OUTPUT_FILE = click.Path(dir_okay=False, path_type=Path)
@@ -52,6 +57,26 @@ class TeamProblemPaths:
         from explicable.pddl import read_team_problem
 
         return read_team_problem(*self.paths, warn=_warn)
+
+
+@contextmanager
+def naming(path: Path, kind: type[InputError]) -> Iterator[None]:
+    """Let errors of a kind that don't say which file they are about name this one."""
+    try:
+        yield
+    except kind as error:
+        error.path = error.path or path
+        raise
+
+
+def read_labelled_traces(*files: Path) -> "list[Trace]":
+    """Read traces to learn from: at least one label must be there."""
+    from explicable.labelling import read_traces
+
+    traces = read_traces(*files)
+    if not any(step.label is not None for trace in traces for step in trace.steps):
+        raise TraceError("no step has a label: there is nothing to learn from", path=files[0])
+    return traces
 
 
 def _warn(warning: object) -> None:

@@ -132,4 +132,4 @@ def simulate(
     problems = [maps.encode(maps.read_map(path), semantics) for path in map_files]
     episodes = simulate_study(problems, families[family], num_traces=num or len(problems), seed=seed)
     write_traces(output, [episode.trace for episode in episodes])
-    click.echo(f"{output}: {len(episodes)} traces of simulated participants", err=True)
+    click.echo(f"{output}: traces of simulated participants: {len(episodes)}", err=True)

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from explicable.cli import EXIT_BAD_INPUT
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
+from explicable.cli.files import (
+    INPUT_FILE,
+    OUTPUT_FILE,
+    TeamProblemPaths,
+    naming,
+    read_labelled_traces,
+    team_problem_arguments,
+)
+from explicable.errors import LabellerError, PlanError
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
@@ -33,9 +41,9 @@ trace_files = click.argument("files", metavar="TRACES...", nargs=-1, required=Tr
 )
 def train(files: tuple[Path, ...], output: Path, c1: float, c2: float, bootstrap: int, seed: int) -> None:
     """Learn from the labelled TRACES which steps people find explicable."""
-    from explicable.labelling import Labeller, read_traces
+    from explicable.labelling import Labeller
 
-    traces = read_traces(*files)
+    traces = read_labelled_traces(*files)
     labeller = Labeller.train(traces, c1=c1, c2=c2, num_bootstrap=bootstrap, seed=seed)
     labeller.save(output)
     click.echo(
@@ -59,7 +67,8 @@ def label(
 
     labeller = Labeller.load(labeller_file)
     problem = paths.read()
-    labelled = labeller.label(ground_team(problem), read_plan(plan_file))
+    with naming(plan_file, PlanError), naming(labeller_file, LabellerError):
+        labelled = labeller.label(ground_team(problem), read_plan(plan_file))
     for schema in labeller.unknown_schemas(problem):
         click.echo(
             f"explicable: warning: the labeller has never seen a {schema}: its labels are guesses", err=True
