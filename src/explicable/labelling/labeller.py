@@ -1,7 +1,7 @@
 """The labeller: learns from traces what people find explicable, and labels plans that nobody has seen yet."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from typing import Self
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LabelledPlan:
     """What a labeller says of a plan.
 
@@ -45,9 +45,8 @@ class LabelledPlan:
         Of each step, by name; none for human steps.
     scores
         Explicability in all variants, the weights taken for granted.
-    distribution
-        Entry k: probability that a new annotator finds k of the robots' steps explicable, uncertainty of the
-        weights and differences between annotators included.
+    models
+        The labeller's bootstrap, or the labeller's model alone: who a new annotator may turn out to be.
     """
 
     actions: tuple[GroundAtom, ...]
@@ -56,7 +55,23 @@ class LabelledPlan:
     labels: tuple[bool, ...]
     features: tuple[tuple[str, ...], ...]
     scores: PlanScores
-    distribution: NDArray[np.float64]
+    models: tuple[ConditionalRandomField, ...] = field(repr=False, compare=False)
+
+    @cached_property
+    def distribution(self) -> NDArray[np.float64]:
+        """Entry k: probability that a new annotator finds k of the robots' steps explicable.
+
+        Uncertainty of the weights and differences between annotators are included. Worked out when first
+        asked for: it takes all models of the bootstrap, and planning has no use for it.
+        """
+        return mix(
+            [
+                model.predict_counts(
+                    [self.features], empty=False, clamp=[_clamp(self.is_robot)], counted=[self.is_robot]
+                )[0]
+                for model in self.models
+            ]
+        )
 
     def interval(
         self, level: float = 0.95, steps: Literal["robot", "paper"] = "robot"
@@ -215,13 +230,9 @@ class Labeller:
         execution = features.task.execute(actions)
         rows = features.extract(execution.operators, execution.states)
         is_robot = tuple(not features.tables.is_human(operator) for operator in execution.operators)
-        clamp = [[None if robot else True for robot in is_robot]]
+        clamp = [_clamp(is_robot)]
         (labels,) = self.model.predict([rows], clamp)
         (marginals,) = self.model.predict_marginals([rows], clamp)
-        distributions = [
-            model.predict_counts([rows], empty=False, clamp=clamp, counted=[is_robot])[0]
-            for model in (self.bootstrap or (self.model,))
-        ]
         return LabelledPlan(
             actions=tuple(actions),
             is_robot=is_robot,
@@ -229,7 +240,7 @@ class Labeller:
             labels=tuple(bool(label) for label in labels),
             features=tuple(rows),
             scores=score_plan(self.model, rows, is_robot, is_asked=is_robot),
-            distribution=mix(distributions),
+            models=self.bootstrap or (self.model,),
         )
 
     def scorer(
@@ -321,3 +332,8 @@ class Labeller:
 def _robot_schemas(problem: TeamProblem) -> list[str]:
     domain = problem.composite.domain
     return [action.name for action in domain.actions if schema_kind(domain, action) == "robot"]
+
+
+def _clamp(is_robot: Sequence[bool]) -> list[bool | None]:
+    """Return the labels that are given: human steps are explicable by definition."""
+    return [None if robot else True for robot in is_robot]
