@@ -28,4 +28,4 @@ command -v c++ >/dev/null 2>&1 || provide "a C++ compiler" g++
 "$venv/bin/python" -c 'import pip' 2>/dev/null || { rm -rf "$venv" && "$python" -m venv "$venv"; }
 install="$venv/bin/python -m pip install --disable-pip-version-check --quiet --constraint constraints.txt"
 $install scikit-build-core nanobind cmake ninja
-$install --no-build-isolation -C build-dir="build/$venv" --editable '.[dev]'
+$install --no-build-isolation --config-settings=build-dir="build/$venv" --editable '.[dev]'
