@@ -80,7 +80,13 @@ void bind_scorer(nb::module_& module) {
     nb::class_<TeamTables>(module, "TeamTables", "What features see of a team task.")
         .def(nb::new_(&make_tables), "composite"_a, "mental"_a, "goal"_a, "schemas"_a, "predicates"_a, "objects"_a,
              "is_human"_a)
-        .def_ro("request_facts", &TeamTables::request_facts)
+        .def_prop_ro("request_facts",
+                     [](const TeamTables& t) {
+                         std::vector<Ints> rows;
+                         for (int request = 0; request < t.num_requests(); ++request)
+                             rows.emplace_back(t.request_facts[request].begin(), t.request_facts[request].end());
+                         return rows;
+                     })
         .def_ro("max_arity", &TeamTables::max_arity)
         .def("is_human", [](const TeamTables& t, OperatorId o) { return t.is_human[check_operator(t, o)] != 0; })
         .def("is_believed", [](const TeamTables& t, OperatorId o) { return t.in_mental[check_operator(t, o)] != 0; })

@@ -30,13 +30,14 @@ TransitionGraph::TransitionGraph(const Task& task)
     }
 }
 
-std::vector<Distance> TransitionGraph::to_request(FactId request,
+std::vector<Distance> TransitionGraph::to_request(std::span<const FactId> request,
                                                   const std::vector<std::uint8_t>& human_operator) const {
     std::vector<Distance> distance = nowhere();
-    if (request < 0) return distance;
     std::vector<FactId> queue;
-    for (const auto op : users_[request])
-        if (!human_operator[op]) start_from(op, request, queue, distance);
+    for (const auto fact : request)
+        if (fact >= 0)
+            for (const auto op : users_[fact])
+                if (!human_operator[op]) start_from(op, request, queue, distance);
     spread(queue, distance);
     return distance;
 }
@@ -46,7 +47,7 @@ std::vector<Distance> TransitionGraph::to_goal(FactId goal) const {
     if (goal < 0) return distance;
     distance[goal] = 0;
     std::vector<FactId> queue;
-    for (const auto op : adders_[goal]) start_from(op, goal, queue, distance);
+    for (const auto op : adders_[goal]) start_from(op, {&goal, 1}, queue, distance);
     spread(queue, distance);
     return distance;
 }
@@ -55,11 +56,11 @@ std::vector<Distance> TransitionGraph::nowhere() const {
     return std::vector<Distance>(static_cast<std::size_t>(task_.num_facts()), kNoWay);
 }
 
-// What an operator needs is one step away, but for one fact.
-void TransitionGraph::start_from(OperatorId op, FactId except, std::vector<FactId>& queue,
+// What an operator needs is one step away, but for the target itself.
+void TransitionGraph::start_from(OperatorId op, std::span<const FactId> target, std::vector<FactId>& queue,
                                  std::vector<Distance>& distance) const {
     for (const auto fact : task_.preconditions[op]) {
-        if (fact == except || distance[fact] != kNoWay) continue;
+        if (distance[fact] != kNoWay || std::ranges::find(target, fact) != target.end()) continue;
         distance[fact] = 1;
         queue.push_back(fact);
     }

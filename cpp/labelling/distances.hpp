@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "labelling/team_tables.hpp"
@@ -22,8 +23,9 @@ class TransitionGraph {
 public:
     explicit TransitionGraph(const Task& task);
 
-    // Distance of every fact to what a request asks for: the other preconditions of the operators that need its fact.
-    std::vector<Distance> to_request(FactId request, const std::vector<std::uint8_t>& human_operator) const;
+    // Distance of every fact to what a request asks for: the other preconditions of the operators that need one of its
+    // facts; -1 stands for a fact that the task does not have.
+    std::vector<Distance> to_request(std::span<const FactId> request, const std::vector<std::uint8_t>& human_operator) const;
     // Distance of every fact to a goal: 0 for the goal itself, 1 for what its achievers need.
     std::vector<Distance> to_goal(FactId goal) const;
 
@@ -33,7 +35,8 @@ private:
     Table<FactId> sources_;
 
     std::vector<Distance> nowhere() const;
-    void start_from(OperatorId op, FactId except, std::vector<FactId>& queue, std::vector<Distance>& distance) const;
+    void start_from(OperatorId op, std::span<const FactId> target, std::vector<FactId>& queue,
+                    std::vector<Distance>& distance) const;
     void spread(std::vector<FactId>& queue, std::vector<Distance>& distance) const;
 };
 
@@ -51,8 +54,10 @@ public:
           mental_human_(std::move(mental_human)) {}
 
     using Both = std::array<std::vector<Distance>, 2>;  // by Model
-    Both to_request(FactId fact) const {
-        return both(mental_graph_.to_request(mental_fact_[fact], mental_human_), own_graph_.to_request(fact, own_human_));
+    Both to_request(std::span<const FactId> facts) const {
+        std::vector<FactId> theirs;
+        for (const auto fact : facts) theirs.push_back(mental_fact_[fact]);
+        return both(mental_graph_.to_request(theirs, mental_human_), own_graph_.to_request(facts, own_human_));
     }
     Both to_goal(FactId fact) const {
         return both(mental_graph_.to_goal(mental_fact_[fact]), own_graph_.to_goal(fact));

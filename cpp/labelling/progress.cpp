@@ -28,14 +28,14 @@ Distance nearest(std::span<const FactId> facts, const std::vector<Distance>& dis
 }  // namespace
 
 void TeamTables::measure_requests(const Measure& measure) {
-    const auto width = request_facts.size();
+    const auto width = static_cast<std::size_t>(num_requests());
     const auto num_operators = schema.size();
     if (width > 0 && num_operators > kMaxEntries / width) throw std::length_error("too many operators times requests");
     toward_request_.resize(width * num_operators);
     std::vector<std::vector<FactId>> sources;
     for (OperatorId op = 0; op < this->num_operators(); ++op) sources.push_back(used_up(measure.composite, op));
     for (std::size_t request = 0; request < width; ++request) {
-        const auto distance = measure.to_request(request_facts[request]);
+        const auto distance = measure.to_request(request_facts[static_cast<std::int32_t>(request)]);
         for (OperatorId op = 0; op < this->num_operators(); ++op) {
             std::array<Progress, 2> progress;
             for (std::size_t model = 0; model < 2; ++model)

@@ -138,7 +138,7 @@ void Scorer::extend(const std::byte* parent, OperatorId step, const State& befor
         auto& situation = context.situation;
         std::int32_t kept = 0;
         for (std::int32_t i = 0; i < situation.num_open; ++i)
-            if (after.holds(task_, tables_->request_facts[situation.open[i]])) situation.open[kept++] = situation.open[i];
+            if (tables_->stands(task_, after, situation.open[i])) situation.open[kept++] = situation.open[i];
         std::fill(situation.open.begin() + kept, situation.open.end(), 0);
         situation.num_open = kept;
     }

@@ -1,6 +1,9 @@
 #include "labelling/team_tables.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
+#include <set>
 #include <stdexcept>
 
 #include "labelling/distances.hpp"
@@ -107,8 +110,8 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
     measure_goals(measure);
 }
 
-// A human step asks for a fact that names an object, that some robot's operator needs, and that no human step with
-// other arguments (the agent aside) adds.
+// A human step asks by the atoms that it adds, that name an object, that some robot's operator needs, and that no human
+// step with other arguments (the agent aside) adds; model/requests.py holds the same rule.
 void TeamTables::find_requests(const Task& task) {
     std::vector<bool> needed(static_cast<std::size_t>(task.num_facts())), shared(needed);
     std::vector<OperatorId> first_adder(static_cast<std::size_t>(task.num_facts()), -1);
@@ -118,33 +121,39 @@ void TeamTables::find_requests(const Task& task) {
             continue;
         }
         const auto own = task.operator_arguments[op].subspan(1);
-        for (const auto fact : all_adds(task, op)) {
+        for (const auto fact : task.adds[op]) {
             if (first_adder[fact] < 0) first_adder[fact] = op;
             if (!std::ranges::equal(own, task.operator_arguments[first_adder[fact]].subspan(1))) shared[fact] = true;
         }
     }
-    std::vector<std::int32_t> request_of_fact(static_cast<std::size_t>(task.num_facts()), -1);
+    const auto is_asked_for = [&](FactId fact) {
+        return needed[fact] && !shared[fact] && task.fact_predicate[fact] >= 0 && !task.fact_arguments[fact].empty();
+    };
+    std::map<std::vector<FactId>, std::int32_t> requests;
+    std::vector<std::vector<std::int32_t>> requests_of_fact(static_cast<std::size_t>(task.num_facts()));
     asks_for.assign(static_cast<std::size_t>(task.num_operators()), -1);
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
         if (!is_human[op]) continue;
-        for (const auto fact : all_adds(task, op)) {
-            if (!needed[fact] || shared[fact] || task.fact_arguments[fact].empty()) continue;
-            if (request_of_fact[fact] < 0) {
-                request_of_fact[fact] = num_requests();
-                request_facts.push_back(fact);
-            }
-            asks_for[op] = request_of_fact[fact];
-            break;
-        }
+        std::vector<FactId> facts;
+        std::ranges::copy_if(task.adds[op], std::back_inserter(facts), is_asked_for);
+        if (facts.empty()) continue;
+        const auto [place, is_new] = requests.try_emplace(facts, num_requests());
+        asks_for[op] = place->second;
+        if (!is_new) continue;
+        request_facts.push_back(facts);
+        for (const auto fact : facts) requests_of_fact[fact].push_back(place->second);
     }
-    std::vector<std::int32_t> fulfilled;
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
-        fulfilled.clear();
+        std::set<std::int32_t> fulfilled;
         if (!is_human[op])
             for (const auto fact : task.preconditions[op])
-                if (request_of_fact[fact] >= 0) fulfilled.push_back(request_of_fact[fact]);
+                fulfilled.insert(requests_of_fact[fact].begin(), requests_of_fact[fact].end());
         fulfils.push_back(fulfilled);
     }
+}
+
+bool TeamTables::stands(const Task& task, const State& state, std::int32_t request) const {
+    return std::ranges::any_of(request_facts[request], [&](FactId fact) { return state.holds(task, fact); });
 }
 
 void TeamTables::find_goals(const Task& task) {

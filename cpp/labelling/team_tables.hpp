@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "task/state.hpp"
 #include "task/task.hpp"
 
 namespace explicable {
@@ -90,12 +91,14 @@ public:
     static constexpr std::size_t kMaxEntries = std::size_t{1} << 28;
 
     std::int32_t num_operators() const { return static_cast<std::int32_t>(schema.size()); }
-    int num_requests() const { return static_cast<int>(request_facts.size()); }
+    int num_requests() const { return request_facts.size(); }
+    // A request stands until all its facts are gone.
+    bool stands(const Task& task, const State& state, std::int32_t request) const;
 
     // `request` may be -1: nothing is requested.
     RequestProgress toward_request(OperatorId step, int request) const {
         if (request < 0) return {Progress::kNoTarget, Progress::kNoTarget};
-        const auto code = toward_request_[static_cast<std::size_t>(step) * request_facts.size() +
+        const auto code = toward_request_[static_cast<std::size_t>(step) * static_cast<std::size_t>(num_requests()) +
                                           static_cast<std::size_t>(request)];
         return {static_cast<Progress>(code / kNumProgress), static_cast<Progress>(code % kNumProgress)};
     }
@@ -110,7 +113,7 @@ public:
     std::vector<std::uint8_t> in_mental;  // the mental task has it
     int num_schemas = 0;
     std::size_t max_arity = 0;
-    std::vector<FactId> request_facts;    // the fact that a request adds
+    Table<FactId> request_facts;          // what a request adds
     std::vector<std::int32_t> asks_for;   // request of a human operator, or -1
     Table<std::int32_t> fulfils;          // requests that a robot's operator fulfils
     std::vector<FactId> goals;

@@ -210,8 +210,9 @@ class SequenceLoss:
 class TeamTables:
     """What features see of a team task."""
 
-    request_facts: list[int]
     max_arity: int
+    @property
+    def request_facts(self) -> list[list[int]]: ...
     def __init__(
         self,
         composite: Task,

@@ -26,15 +26,15 @@ def robot_operators(team):
 
 
 def test_progress_toward_requests_equals_the_oracle(team):
-    for request, fact in enumerate(team.tables.request_facts):
-        atom = team.task.fact(fact)
-        mental, own = (oracle.to_request(t, atom, is_human(team)) for t in (team.team.mental, team.task))
+    for request, facts in enumerate(team.tables.request_facts):
+        atoms = set(map(team.task.fact, facts))
+        mental, own = (oracle.to_request(t, atoms, is_human(team)) for t in (team.team.mental, team.task))
         for operator in robot_operators(team):
             expected = tuple(oracle.toward_request(team, operator, d) for d in (mental, own))
             if request in team.tables.fulfils(operator):
                 expected = ("done", "done")
             got = tuple(PROGRESS[p] for p in team.tables.toward_request(operator, request))
-            assert got == expected, (atom, team.task.action(operator))
+            assert got == expected, (atoms, team.task.action(operator))
 
 
 def test_progress_toward_goals_equals_the_oracle(team):
@@ -84,7 +84,7 @@ def deleted(task, operator):
 def test_only_commands_to_different_rooms_are_different_requests():
     for semantics in ("persistent", "exclusive"):
         team = TeamFeatures(ground_team(first_response("two robots", semantics)))
-        atoms = {team.task.fact(fact) for fact in team.tables.request_facts}
+        atoms = {team.task.fact(fact) for facts in team.tables.request_facts for fact in facts}
         assert atoms == {("commanded", room) for room in ("c-1-3", "c-3-1", "c-3-5")}
 
 

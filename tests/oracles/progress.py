@@ -41,9 +41,9 @@ def to_goal(task, goal):
     return distances(task, {goal}, set().union(*(needs(task, o) for o in achievers)) - {goal})
 
 
-def to_request(task, fact, is_human):
-    fulfilling = [o for o in range(task.num_operators) if not is_human(task, o) and fact in needs(task, o)]
-    return distances(task, set(), set().union(*(needs(task, o) for o in fulfilling)) - {fact})
+def to_request(task, facts, is_human):
+    fulfilling = [o for o in range(task.num_operators) if not is_human(task, o) and facts & needs(task, o)]
+    return distances(task, set(), set().union(*(needs(task, o) for o in fulfilling)) - facts)
 
 
 def judge(before, after):

@@ -6,13 +6,14 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Literal, get_args
 
 from explicable.errors import PlanError, UsageError
-from explicable.execution.outlook import Outlook, Request
+from explicable.execution.outlook import Outlook
 from explicable.execution.participants import Family, Participant
 from explicable.execution.people import Person, SimulatedPerson
 from explicable.execution.setting import Setting, prepare
 from explicable.labelling.traces import LabelledStep, Trace
 from explicable.model.plan import format_action
 from explicable.model.problem import GroundAtom
+from explicable.model.requests import Request
 from explicable.model.task import State
 from explicable.model.team import TeamProblem
 

@@ -8,10 +8,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from explicable.execution.outlook import Outlook, Request
+from explicable.execution.outlook import Outlook
 from explicable.execution.participants import Participant
 from explicable.execution.setting import Setting
 from explicable.model.problem import GroundAtom
+from explicable.model.requests import Request
 from explicable.model.task import State
 
 if TYPE_CHECKING:

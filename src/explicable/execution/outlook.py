@@ -1,38 +1,19 @@
 """What can be expected of a state: exact costs of fulfilling requests and of finishing the mission."""
 
 import math
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from explicable.errors import ResourceError
 from explicable.execution.stage import Stage
 from explicable.model.problem import GroundAtom
-from explicable.model.task import State, Task
+from explicable.model.requests import Request, find_requests
+from explicable.model.task import State
 from explicable.model.team import TeamProblem
 from explicable.search import Outcome, search
 
 Goal = tuple[int, ...]
 
 _NONE = -1  # no operator: at the goal, or no way there
-
-
-@dataclass(frozen=True, slots=True)
-class Request:
-    """What a human step asks for.
-
-    Parameters
-    ----------
-    action
-        The human step.
-    permits
-        The atoms by which it asks; once they are all gone, the request is withdrawn.
-    fulfilled_by
-        The robots' actions of which one fulfils it.
-    """
-
-    action: GroundAtom
-    permits: frozenset[GroundAtom]
-    fulfilled_by: frozenset[GroundAtom]
 
 
 class _End(NamedTuple):
@@ -169,41 +150,3 @@ class Outlook:
             remaining -= self.task.cost(operator)
             state = self.task.successor(state, operator)
         self._known.setdefault((state, goal), (remaining, _NONE))
-
-
-def find_requests(problem: TeamProblem, task: Task) -> dict[GroundAtom, Request]:
-    """Find what each human step asks for (architecture page, "Who acts").
-
-    It asks for the robot operators with a precondition that names an object and that this human step adds,
-    but no human step with other arguments. The human who says it is not one of the arguments that matter.
-    """
-    human = {
-        operator
-        for operator in range(task.num_operators)
-        if problem.agent_of(task.action(operator)).kind == "human"
-    }
-    content: dict[int, set[GroundAtom]] = {}
-    for operator in human:
-        schema, _, *arguments = task.action(operator)
-        for fact in task.core.adds(operator):
-            content.setdefault(fact, set()).add((schema, *arguments))
-    permits = {
-        fact
-        for fact, said in content.items()
-        if len(said) == 1 and len(task.fact(fact)) > 1 and task.fact(fact)[0] != "not"
-    }
-    wanted: dict[int, set[int]] = {}
-    for operator in set(range(task.num_operators)) - human:
-        for fact in permits.intersection(task.core.preconditions(operator)):
-            wanted.setdefault(fact, set()).add(operator)
-    requests = {}
-    for operator in human:
-        facts = [fact for fact in task.core.adds(operator) if fact in wanted]
-        if facts:
-            action = task.action(operator)
-            requests[action] = Request(
-                action=action,
-                permits=frozenset(task.fact(fact) for fact in facts),
-                fulfilled_by=frozenset(task.action(o) for fact in facts for o in wanted[fact]),
-            )
-    return requests

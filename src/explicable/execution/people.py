@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Protocol
 
 from explicable.execution import mind as minds
 from explicable.execution.mind import Mind
-from explicable.execution.outlook import Request
 from explicable.execution.participants import Participant
 from explicable.execution.setting import Setting
 from explicable.labelling.traces import Origin
 from explicable.model.problem import GroundAtom
+from explicable.model.requests import Request
 from explicable.model.task import State
 
 if TYPE_CHECKING:

@@ -43,6 +43,7 @@ class TeamFeatures:
         self.schemas = tuple(action.name for action in team.task.problem.domain.actions)
         self.tables = _make_tables(team)
         self._goal = team.task.goal
+        self._request_facts = self.tables.request_facts
 
     def extract(self, operators: Sequence[int], states: Sequence[State]) -> list[tuple[str, ...]]:
         """Return the features of each step; human steps have none, since nobody is asked about them.
@@ -65,7 +66,7 @@ class TeamFeatures:
             steps.append(self._see(walk, operator, fulfilled))
             walk.remember(self.tables, steps[-1])
             if number + 1 < len(states):
-                walk.requests = [r for r in walk.requests if self._stands(r, states[number + 1])]
+                walk.requests = [r for r in walk.requests if self.stands(r, states[number + 1])]
             for goal in self.tables.achieves(operator):
                 fulfilled[goal] = True
         following: list[_SeenStep | None] = [*steps[1:], None]
@@ -74,8 +75,9 @@ class TeamFeatures:
             for step, after in zip(steps, following, strict=False)
         ]
 
-    def _stands(self, request: int, state: State) -> bool:
-        return self.task.core.holds(state, [self.tables.request_facts[request]])
+    def stands(self, request: int, state: State) -> bool:
+        """Whether a request, by its number, has not been withdrawn."""
+        return any(self.task.core.holds(state, [fact]) for fact in self._request_facts[request])
 
     def _see(self, walk: "_Walk", operator: int, fulfilled: list[bool]) -> "_SeenStep":
         schema, *arguments = self.task.action(operator)

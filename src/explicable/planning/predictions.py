@@ -167,6 +167,7 @@ class _Situations:
     """Finds the situations of plans of one task, and remembers what fulfilling requests costs."""
 
     def __init__(self, features: "TeamFeatures") -> None:
+        self.features = features
         self.team = features.team
         self.tables = features.tables
         self._fulfilling = self._find_fulfilling()
@@ -181,7 +182,7 @@ class _Situations:
         asked_before: set[int] = set()
         for number, operator in enumerate(execution.operators):
             state = execution.states[number]
-            waiting = [r for r in waiting if task.core.holds(state, [tables.request_facts[r]])]
+            waiting = [r for r in waiting if self.features.stands(r, state)]
             possible = {
                 task.action(o): o for o in task.applicable(state) if task.action(o) and tables.is_human(o)
             }
