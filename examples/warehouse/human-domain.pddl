@@ -31,7 +31,7 @@
 
   (:action load
     :parameters (?c - cart ?x - parcel ?p - place)
-    :precondition (and (at ?c ?p) (stored ?x ?p) (ordered ?x) (empty ?c))
+    :precondition (and (at ?c ?p) (stored ?x ?p) (empty ?c))
     :effect (and (carries ?c ?x) (not (stored ?x ?p)) (not (empty ?c)) (increase (total-cost) 1)))
 
   ; A cart may set a parcel down anywhere, for another cart to take over.
@@ -42,5 +42,5 @@
 
   (:action hand-over
     :parameters (?c - cart ?x - parcel ?p - place)
-    :precondition (and (at ?c ?p) (carries ?c ?x) (destined ?x ?p))
+    :precondition (and (at ?c ?p) (carries ?c ?x) (destined ?x ?p) (ordered ?x))
     :effect (and (delivered ?x) (empty ?c) (not (carries ?c ?x)) (increase (total-cost) 1))))

@@ -270,6 +270,7 @@ def test_every_command_explains_itself():
         ["tell"],
         ["measure"],
         ["rank"],
+        ["simulate"],
         ["train"],
         ["label"],
         ["traces"],

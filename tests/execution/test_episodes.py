@@ -11,6 +11,7 @@ from explicable.execution.setting import prepare
 from explicable.first_response import builtin_maps, encode, generate
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
+from planning.test_differences import example
 
 FAMILIES = builtin_families()
 
@@ -41,6 +42,17 @@ def test_games_without_a_grid_reach_the_goal():
             participant = Participant("simulated-1", horizon=horizon, learning=0.5, memory=0.8, readiness=0.5)
             episode = simulate(setting, participant, np.random.default_rng(seed))
             assert episode.ending is Ending.REACHED
+
+
+@pytest.mark.parametrize("way", ["commanded", "autonomous"])
+@pytest.mark.parametrize("family", FAMILIES.values(), ids=FAMILIES)
+def test_what_serves_the_goal_only_in_the_end_is_asked_for_as_well(family, way):
+    """In the survey a request is fulfilled by taking the image; what the goal lacks is that it be sent."""
+    problem = example("rover-survey")
+    for episode in simulate_study([problem], family, num_traces=3, way=way):
+        assert episode.ending is Ending.REACHED
+        asked = [step.action for step in episode.trace.steps if step.action[0] == "request"]
+        assert len(set(asked)) == 5
 
 
 @pytest.mark.parametrize("horizon", ["request", "mission"])

@@ -29,6 +29,7 @@ EXIT_INTERRUPTED = 130
 COMMANDS = {
     "demo": "explicable.cli.demo",
     "plan": "explicable.cli.plan",
+    "simulate": "explicable.cli.simulate",
     "train": "explicable.cli.labels",
     "label": "explicable.cli.labels",
     "explain": "explicable.cli.explain",

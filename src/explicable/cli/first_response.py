@@ -6,6 +6,7 @@ import click
 
 from explicable import first_response as maps
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE
+from explicable.cli.simulate import find_family, participant_options, play_and_write
 from explicable.model.files import write_whole
 
 SEMANTICS = click.Choice(["persistent", "exclusive"])
@@ -102,34 +103,24 @@ def render(map_file: Path, output: Path, view: maps.View, plan_file: Path | None
 
 @first_response.command()
 @click.argument("map_files", metavar="MAP...", nargs=-1, required=True, type=INPUT_FILE)
-@click.option("--family", default="myopic", show_default=True, help="Family of simulated participants.")
 @click.option(
     "--num", type=click.IntRange(min=1), help="Number of traces, spread over the maps. Default: one a map."
 )
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of all chance.")
 @semantics_option
-@click.option("-o", "--output", type=OUTPUT_FILE, required=True, help="Trace file to write (JSON Lines).")
+@participant_options
 def simulate(
     map_files: tuple[Path, ...],
-    family: str,
     num: int | None,
-    seed: int,
     semantics: maps.Semantics,
+    family: str,
+    families: Path | None,
+    seed: int,
     output: Path,
 ) -> None:
     """Let simulated participants play the MAPs with a robot and label its steps.
 
     Simulated participants are test instruments: what they say is no evidence about people.
     """
-    from explicable.execution import builtin_families, simulate_study
-    from explicable.labelling import write_traces
-
-    families = builtin_families()
-    if family not in families:
-        raise click.UsageError(
-            f"no family of participants is called {family!r}: choose {', '.join(families)}"
-        )
+    who = find_family(family, families)
     problems = [maps.encode(maps.read_map(path), semantics) for path in map_files]
-    episodes = simulate_study(problems, families[family], num_traces=num or len(problems), seed=seed)
-    write_traces(output, [episode.trace for episode in episodes])
-    click.echo(f"{output}: traces of simulated participants: {len(episodes)}", err=True)
+    play_and_write(problems, who, output, num_traces=num or len(problems), seed=seed)

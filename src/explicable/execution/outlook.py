@@ -62,20 +62,34 @@ class Outlook:
     def ranked_asks(self, state: State) -> list[tuple[float, int]]:
         """Rank the human operators that are applicable and ask for something the goal still lacks.
 
+        A request brings the goal nearer if what fulfils it achieves one of its lacking parts, or lets the
+        robots achieve one later that they could not achieve unasked.
+
         Returns
         -------
         list of (cost, operator)
             What asking and fulfilling cost together, cheapest first.
         """
         task = self.task
-        lacking = {fact for fact in task.goal if not task.core.holds(state, [fact])}
+        lacking = frozenset(fact for fact in task.goal if not task.core.holds(state, [fact]))
         ranked = []
         for operator, request in self._asks:
-            useful = any(not lacking.isdisjoint(end.adds) for end in self._ends[request.action])
-            if useful and task.is_applicable(state, operator):
+            if task.is_applicable(state, operator):
                 asked = task.successor(state, operator)
-                ranked.append((task.cost(operator) + self.fulfilment_cost(asked, request), operator))
+                if self._brings_nearer(request, state, asked, lacking):
+                    ranked.append((task.cost(operator) + self.fulfilment_cost(asked, request), operator))
         return sorted(ranked)
+
+    def _brings_nearer(self, request: Request, state: State, asked: State, lacking: frozenset[int]) -> bool:
+        """Tell whether a request serves any of the goals still lacking."""
+        achieved = {fact for end in self._ends[request.action] for fact in end.adds}
+        if not achieved.isdisjoint(self.task.goal):
+            return not achieved.isdisjoint(lacking)
+        unasked, when_asked = self.stage.robots_alone(state), self.stage.robots_alone(asked)
+        return any(
+            self._cost(unasked, (fact,)) == math.inf and self._cost(when_asked, (fact,)) < math.inf
+            for fact in lacking
+        )
 
     def fulfilment_cost(self, state: State, request: Request) -> float:
         """Return what it costs the robots alone to fulfil a request, the fulfilling step included."""

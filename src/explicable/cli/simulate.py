@@ -1,0 +1,78 @@
+"""`explicable simulate`: labelled traces of any team problem, from simulated participants."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
+
+if TYPE_CHECKING:
+    from explicable.execution import Family
+    from explicable.model.team import TeamProblem
+
+
+def participant_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options that say who plays, how often, and where the traces go."""
+    for option in (
+        click.option("-o", "--output", type=OUTPUT_FILE, required=True, help="Trace file to write."),
+        click.option(
+            "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of all chance."
+        ),
+        click.option("--families", type=INPUT_FILE, help="Families from this TOML file (docs/execution.md)."),
+        click.option(
+            "--family", default="myopic", show_default=True, help="Family of simulated participants."
+        ),
+    ):
+        command = option(command)
+    return command
+
+
+def find_family(name: str, path: Path | None) -> "Family":
+    """Return a family of simulated participants, from a file or built in."""
+    from explicable.execution import builtin_families
+    from explicable.execution.participants import read_families
+
+    families = read_families(path) if path else builtin_families()
+    if name not in families:
+        raise click.UsageError(
+            f"no family of participants is called {name!r}: choose {', '.join(families) or 'another file'}"
+        )
+    return families[name]
+
+
+def play_and_write(problems: "Iterable[TeamProblem]", family: "Family", output: Path, **options: Any) -> None:
+    """Let participants of a family play, write their traces, and say how many games came to their goal."""
+    from explicable.execution import Ending, simulate_study
+    from explicable.labelling import write_traces
+
+    episodes = simulate_study(problems, family, **options)
+    write_traces(output, [episode.trace for episode in episodes])
+    click.echo(f"{output}: traces of simulated participants: {len(episodes)}", err=True)
+    for ending in Ending:
+        number = sum(episode.ending is ending for episode in episodes)
+        if number and ending is not Ending.REACHED:
+            click.echo(f"explicable: warning: {number} of {len(episodes)} games: {ending.value}", err=True)
+
+
+@click.command()
+@team_problem_arguments
+@click.option("--num", type=click.IntRange(min=1), default=1, show_default=True, help="Number of traces.")
+@click.option(
+    "--way",
+    type=click.Choice(["commanded", "autonomous"]),
+    default="commanded",
+    show_default=True,
+    help="commanded: the robots wait until something is asked for. autonomous: they go ahead unasked.",
+)
+@participant_options
+def simulate(
+    paths: TeamProblemPaths, num: int, way: str, family: str, families: Path | None, seed: int, output: Path
+) -> None:
+    """Let simulated participants play the team problem DOMAIN PROBLEM with robots and label their steps.
+
+    Simulated participants are test instruments: what they say is no evidence about people.
+    """
+    who = find_family(family, families)
+    play_and_write([paths.read()], who, output, num_traces=num, seed=seed, way=way)
