@@ -7,10 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from explicable.execution.episodes import Ending
-from explicable.execution.loop import Proposal, run
+from explicable.execution.loop import Limits, run
 from explicable.execution.monitor import TABLE, Event, State, react
 from explicable.execution.participants import Participant
 from explicable.execution.people import ScriptedPerson, SimulatedPerson
+from explicable.execution.plans import Proposal, Situation
+from explicable.execution.robots import SimulatedRobot, SimulatedWorld
 from explicable.execution.setting import prepare
 from explicable.first_response import builtin_maps, encode, generate
 from explicable.model.grounding import ground_team
@@ -26,25 +28,29 @@ class ShortestJointPlanner:
         self.truth = setting.truth
         self.asked = []
 
-    def __call__(self, past):
-        self.asked.append(past)
-        task, state = self.truth.task, self.truth.task.initial_state
-        for action in past:
-            state = task.successor(state, self.truth.operator(state, action))
-        way = self.truth.mission_way(state)
+    def __call__(self, situation):
+        self.asked.append(situation.past)
+        way = self.truth.mission_way(situation.state)
         if way is None:
             return Proposal(Outcome.UNSOLVABLE)
-        return Proposal(Outcome.SOLVED, tuple(task.action(operator) for operator in way))
+        return Proposal(Outcome.SOLVED, tuple(self.truth.task.action(operator) for operator in way))
 
 
-class FlakyRobot:
-    """Fails by a pattern."""
+class World(SimulatedWorld):
+    """A world in which a person's steps are always possible: the loop has looked."""
 
-    def __init__(self, pattern):
-        self.pattern = itertools.cycle(pattern)
+    def see(self, course):
+        """Take the steps of the person, as the course has taken them."""
+        if course.occurrences[-1].event is Event.PERSON_COMMANDED and not course.occurrences[-1].refusal:
+            self.take(course.occurrences[-1].notice.action)
 
-    def execute(self, action):  # noqa: ARG002
-        return next(self.pattern)
+
+def flaky(setting, pattern):
+    """A robot that fails by a pattern, and what keeps its world up to date."""
+    (name,) = [agent.name for agent in setting.problem.agents if agent.kind == "robot"]
+    world, succeeds = World(ground_team(setting.problem).task), itertools.cycle(pattern)
+    robot = SimulatedRobot(name, world, fault=lambda _: None if next(succeeds) else "slipped")
+    return {"robots": [robot], "watch": world.see}
 
 
 @pytest.fixture
@@ -60,13 +66,15 @@ def check_record(played):
     """The record follows the table from the start to an end."""
     state = State.DECIDING
     for occurrence in played.occurrences:
-        state, _ = react(state, occurrence.event)
+        if not occurrence.refusal:
+            state, _ = react(state, occurrence.event)
+        assert state is occurrence.state
     assert state not in {before for before, _ in TABLE}
 
 
 def test_a_person_who_does_as_predicted_needs_one_plan(setting):
     planner = ShortestJointPlanner(setting)
-    predicted = planner(()).actions
+    predicted = planner(Situation(setting.problem, (), (), setting.truth.task.initial_state)).actions
     script = [action for action in predicted if action[0] == "ask"]
     planner.asked.clear()
     played = run(setting, planner, ScriptedPerson(setting, script))
@@ -102,7 +110,7 @@ def test_without_a_usable_plan_the_robot_follows_the_requests(setting, planner):
 
 def test_a_planner_that_proves_there_is_no_plan_ends_the_game(setting):
     played = run(setting, lambda _: Proposal(Outcome.UNSOLVABLE), ScriptedPerson(setting, []))
-    assert played.episode.ending is Ending.STUCK
+    assert played.episode.ending is Ending.IMPOSSIBLE
     check_record(played)
 
 
@@ -110,13 +118,20 @@ def test_a_silent_person_and_a_robot_that_never_succeeds_end_in_stated_failures(
     planner = ShortestJointPlanner(setting)
     silent = run(setting, planner, ScriptedPerson(setting, []))
     assert silent.episode.ending is Ending.STUCK
-    broken = run(setting, planner, ScriptedPerson(setting, [ASK_PLASTER, ASK_SYRINGE]), FlakyRobot([False]))
-    assert broken.episode.ending is Ending.STUCK
+    broken = run(
+        setting, planner, ScriptedPerson(setting, [ASK_PLASTER, ASK_SYRINGE]), **flaky(setting, [False])
+    )
+    assert broken.episode.ending in (Ending.STUCK, Ending.IMPOSSIBLE)
     assert not any(step.label is not None for step in broken.episode.trace.steps)
 
 
 def test_a_run_stops_at_the_step_limit(setting):
-    played = run(setting, ShortestJointPlanner(setting), ScriptedPerson(setting, [ASK_PLASTER]), max_steps=1)
+    played = run(
+        setting,
+        ShortestJointPlanner(setting),
+        ScriptedPerson(setting, [ASK_PLASTER]),
+        limits=Limits(max_steps=1),
+    )
     assert played.episode.ending is Ending.LIMIT
 
 
@@ -128,12 +143,13 @@ def play_disturbed(seed, robot, failing, readiness, semantics):
     participant = Participant("simulated-1", learning=0.5, memory=0.8, readiness=readiness)
     played = run(
         setting,
-        lambda past: Proposal(Outcome.LIMIT) if next(fails) else plan(past),
+        lambda situation: Proposal(Outcome.LIMIT) if next(fails) else plan(situation),
         SimulatedPerson(setting, participant, rng),
-        FlakyRobot(robot),
+        **flaky(setting, robot),
     )
     check_record(played)
-    assert played.episode.ending is (Ending.REACHED if any(robot) else Ending.STUCK)
+    failures = (Ending.STUCK, Ending.IMPOSSIBLE)
+    assert played.episode.ending in ((Ending.REACHED,) if any(robot) else failures)
     task = ground_team(problem).task
     assert task.is_goal(task.execute(actions(played)).states[-1]) == any(robot)
 

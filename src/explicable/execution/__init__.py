@@ -1,5 +1,6 @@
 """Working together with a person."""
 
+from explicable.execution.course import Course, Notice, Occurrence
 from explicable.execution.episodes import (
     Ending,
     Episode,
@@ -10,32 +11,39 @@ from explicable.execution.episodes import (
     simulate,
     simulate_study,
 )
-from explicable.execution.loop import FaultlessRobot, Occurrence, Planner, Proposal, Robot, Run, run
+from explicable.execution.facts import observable_facts
+from explicable.execution.loop import ClosedLoop, Limits, Run, run
 from explicable.execution.monitor import draw_monitor
 from explicable.execution.participants import Family, Participant, builtin_families, read_families
 from explicable.execution.people import Person, ScriptedPerson, SimulatedPerson
+from explicable.execution.plans import Planner, Proposal, Situation, num_changes
 from explicable.execution.setting import Setting, prepare
 
 __all__ = [
+    "ClosedLoop",
+    "Course",
     "Ending",
     "Episode",
     "Family",
-    "FaultlessRobot",
     "Game",
+    "Limits",
+    "Notice",
     "Occurrence",
     "Participant",
     "Person",
     "Planner",
     "Proposal",
-    "Robot",
     "Run",
     "ScriptedPerson",
     "Setting",
     "SimulatedPerson",
+    "Situation",
     "assign",
     "builtin_families",
     "draw_monitor",
     "judge",
+    "num_changes",
+    "observable_facts",
     "play",
     "prepare",
     "read_families",

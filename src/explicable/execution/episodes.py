@@ -28,7 +28,10 @@ class Ending(StrEnum):
 
     REACHED = "goal reached"
     STUCK = "nobody knew how to go on"
+    IMPOSSIBLE = "no plan leads to the goal"
     LIMIT = "step limit reached"
+    TIME = "time limit reached"
+    ABORTED = "aborted"
 
 
 @dataclass(frozen=True, slots=True)

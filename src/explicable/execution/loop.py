@@ -1,70 +1,55 @@
 """The closed loop: the robot plans, a person acts and judges, the robot replans when the plan no longer fits.
 
-`monitor` says what to do about each event; here it is done, and only here. Planners and robots are handed in.
+`monitor` says what to do about each event, `course` what follows for the game. Here events are fetched from
+robots, planner and person, and what is to be done outside is done. Planners and robots are handed in.
 """
 
+import math
 import time
+from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Protocol
 
-from explicable.execution.episodes import Ending, Episode, Game, follow
-from explicable.execution.monitor import FINAL, Command, Event, State, react
+from explicable.errors import UsageError
+from explicable.execution.course import Course, Notice, Occurrence
+from explicable.execution.desk import BackDesk, Desk, OpenDesk
+from explicable.execution.episodes import Ending, Episode
+from explicable.execution.monitor import FINAL, Command, Event, State
 from explicable.execution.people import Person
+from explicable.execution.plans import Planner
+from explicable.execution.robots.door import Door
+from explicable.execution.robots.faultless import FaultlessRobot
+from explicable.execution.robots.protocol import Blocked, Finished, Observation, Order, Refused, Report, Robot
 from explicable.execution.setting import Setting
+from explicable.labelling.records import Trace
 from explicable.model.problem import GroundAtom
+from explicable.model.task import State as GameState
 from explicable.search import Outcome
 
-Actions = tuple[GroundAtom, ...]
-
-_PATIENCE = 20
-"""Events without a step of anybody after which nothing more is to be expected."""
-
 
 @dataclass(frozen=True, slots=True)
-class Proposal:
-    """What a planner answers: how its search ended, and the joint plan from now on if there is one."""
-
-    outcome: Outcome
-    actions: Actions = ()
-
-
-Planner = Callable[[Actions], Proposal]
-"""Plans the rest of a game from the steps already done: what is explicable depends on them."""
-
-
-class Robot(Protocol):
-    """What the loop asks of a robot."""
-
-    def execute(self, action: GroundAtom) -> bool:
-        """Carry out a step; False if it failed and changed nothing."""
-
-
-class FaultlessRobot:
-    """A robot whose steps all succeed."""
-
-    def execute(self, action: GroundAtom) -> bool:  # noqa: ARG002
-        """Succeed."""
-        return True
-
-
-@dataclass(frozen=True, slots=True)
-class Occurrence:
-    """One event of a run.
+class Limits:
+    """How long a game waits for what.
 
     Parameters
     ----------
-    event
-        What happened.
-    action
-        The step it was about; empty if about none.
-    time_s
-        Seconds since the run began.
+    max_steps
+        Most steps of the whole team.
+    plan_s
+        Seconds after which a plan is late; then the robot goes on without it.
+    step_s
+        Seconds after which a robot is asked to give its step up; after as long again it is lost.
+    game_s
+        Seconds for the whole game.
+    patience
+        Events without a step of anybody after which nothing more is to be expected.
     """
 
-    event: Event
-    action: GroundAtom
-    time_s: float
+    max_steps: int = 1000
+    plan_s: float = 0.5
+    step_s: float = 60.0
+    game_s: float = math.inf
+    patience: int = 60
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,190 +82,319 @@ def run(
     setting: Setting,
     planner: Planner,
     person: Person,
-    robot: Robot | None = None,
+    robots: Iterable[Robot] | None = None,
     *,
-    max_steps: int = 1000,
+    limits: Limits = Limits(),
+    background: bool = False,
     clock: Callable[[], float] = time.perf_counter,
+    watch: Callable[[Course], None] = lambda _: None,
 ) -> Run:
     """Play one game in which the robot follows a joint plan that predicts the person.
 
-    A person without a request under way makes one; otherwise it thinks over what it wants after robot
-    steps. As long as the plan, less the steps of the person that came early, still leads to the goal, it is
-    kept. If the planner fails, or a predicted step of the person does not come, the robot does the safe
-    thing: it follows the last request by a shortest way, or waits.
+    A person without a request under way makes one; otherwise it thinks over what it wants after robot steps.
+    The plan is made again when the person does something else than predicted, when a fact turns out to be
+    otherwise, and when it does not lead to the goal any more. If the planner fails or is late, or a predicted
+    step of the person does not come, the robot does the safe thing: it follows the last request by a shortest
+    way, or waits. No step is sent that is not possible as far as is known.
 
     Parameters
     ----------
     setting
         The team problem, prepared by `prepare`.
     planner
-        Called with all steps so far. Plans that the truth does not allow count as failures; no step of them
-        is sent.
-    person, robot
-        Who plays; by default the robot's steps all succeed.
-    max_steps
-        Most steps of the whole team.
+        Called with the situation. Plans that do not lead to the goal count as failures; no step of them is
+        sent.
+    person, robots
+        Who plays; by default the robots' steps all succeed. What robots report is checked
+        (`explicable.execution.robots.Door`). They are left open.
+    limits
+        How long to wait for what.
+    background
+        Whether the robot moves on while a plan is made that is late. Without it each game can be repeated.
     clock
-        For the times in the record, in seconds.
+        For the times in the record and for limits, in seconds.
+    watch
+        Called after every event.
 
     Returns
     -------
     Run
         It always ends; how, its episode says.
     """
-    return _Loop(setting, planner, person, robot or FaultlessRobot(), max_steps, clock).run()
+    return ClosedLoop(
+        setting, planner, person, robots, limits=limits, background=background, clock=clock, watch=watch
+    ).run()
 
 
-class _Loop:
+class ClosedLoop:
+    """A game under way, for those who bring events in from outside or may break it off; see `run`."""
+
     def __init__(
         self,
         setting: Setting,
         planner: Planner,
         person: Person,
-        robot: Robot,
-        max_steps: int,
-        clock: Callable[[], float],
+        robots: Iterable[Robot] | None = None,
+        *,
+        limits: Limits = Limits(),
+        background: bool = False,
+        clock: Callable[[], float] = time.perf_counter,
+        watch: Callable[[Course], None] = lambda _: None,
     ) -> None:
-        self.setting, self.planner, self.person, self.robot = setting, planner, person, robot
-        self.max_steps, self.clock, self.began = max_steps, clock, clock()
-        self.game = Game(setting, person)
-        self.plan: Actions = ()
-        self.proposal = Proposal(Outcome.LIMIT)
-        self.step_succeeded = False
-        self.refused: frozenset[GroundAtom] = frozenset()
-        self.robot_moved = False
-        self.has_planned = False  # since the last step
-        self.idle_events = 0
-        self.occurrences: list[Occurrence] = []
-        self.planning_s: list[float] = []
-        self.num_deviations = self.num_changes = 0
-        # Robot, planner and person answer at once here: nothing is ever under way that could be cancelled or
-        # kept, so the other commands have no effect.
-        self.effects: dict[Command, Callable[[GroundAtom], None]] = {
-            Command.SEND_STEP: self.send_step,
-            Command.REQUEST_PLAN: self.request_plan,
-            Command.ADOPT_PLAN: self.adopt_plan,
-            Command.ADOPT_SAFE_PLAN: self.adopt_safe_plan,
-            Command.TAKE_ROBOT_STEP: self.take_robot_step,
-            Command.TAKE_PERSON_STEP: self.take_person_step,
+        self.course = Course(setting)
+        self._person, self._limits, self._clock, self._watch = person, limits, clock, watch
+        self._robots = _named(setting, robots)
+        self._desk: Desk = BackDesk(planner, clock) if background else OpenDesk(planner, clock)
+        self._began = self._sent_at = self._requested_at = clock()
+        self._num_orders = 0
+        self._is_cancelled = False
+        self._inbox: deque[Notice] = deque()
+        self._outside: deque[Notice] = deque()
+        self._kept: deque[Notice] = deque()
+        self._impossible: set[GroundAtom] = set()
+        self._robot_moved = False
+        self._has_planned = False  # since the last step
+        self._idle_events = 0
+        self._sources: dict[State, Callable[[], Notice | None]] = {
+            State.DECIDING: self._decide,
+            State.LISTENING: self._listen,
+            State.ACTING: self._hear_robot,
+            State.PLANNING: self._hear_planner,
+            State.BRIDGING: self._hear_both,
+        }
+        self._effects: dict[Command, Callable[[Notice], None]] = {
+            Command.SEND_STEP: self._send_step,
+            Command.CANCEL_STEP: self._cancel_step,
+            Command.REQUEST_PLAN: self._request_plan,
+            Command.CANCEL_PLANNER: lambda _: self._desk.cancel(),
+            Command.KEEP_PERSON_STEP: self._kept.append,
         }
 
     def run(self) -> Run:
-        state = State.DECIDING
-        while state not in FINAL:
-            event, action = self.next_event(state)
-            state, commands = react(state, event)
-            self.occurrences.append(Occurrence(event, action, self.clock() - self.began))
-            self.idle_events += 1
-            for command in commands:
-                if command in self.effects:
-                    self.effects[command](action)
+        """Play to the end; a Ctrl-C aborts the game, whose result is still there, and goes on up."""
+        try:
+            while self.course.monitor not in FINAL:
+                notice, from_outside = self._next()
+                if notice is not None:
+                    self._handle(notice, from_outside)
+        except KeyboardInterrupt:
+            if self.course.monitor not in FINAL:
+                self._handle(Notice(Event.ABORT), from_outside=False)
+            raise
+        finally:
+            self._desk.close()
+        return self.result()
+
+    def notify(self, notice: Notice) -> None:
+        """Bring an event in from outside, from any thread; what can't be is noted and changes nothing."""
+        self._outside.append(notice)
+
+    def result(self) -> Run:
+        """Return the game that has ended.
+
+        Raises
+        ------
+        UsageError
+            If it has not.
+        """
+        course, person = self.course, self._person
+        ending = course.ending()
+        trace = Trace(
+            course.setting.problem,
+            tuple(course.steps),
+            person.name,
+            person.origin,
+            notes={"ending": ending.value},
+        )
         return Run(
-            self.game.ended(self.ending(state)),
-            tuple(self.occurrences),
-            self.num_deviations,
-            self.num_changes,
-            tuple(self.planning_s),
+            Episode(trace, ending),
+            tuple(course.occurrences),
+            course.num_deviations,
+            course.num_changes,
+            tuple(self._desk.planning_s),
         )
 
-    def ending(self, state: State) -> Ending:
-        if state is State.REACHED:
-            return Ending.REACHED
-        return Ending.LIMIT if len(self.game.steps) >= self.max_steps else Ending.STUCK
+    def _next(self) -> tuple[Notice | None, bool]:
+        """Return the next notice, and whether it comes from outside."""
+        if self._inbox:
+            return self._inbox.popleft(), False
+        if self._outside:
+            return self._outside.popleft(), True
+        state = self.course.monitor
+        if self._kept and state not in (State.ACTING, State.BRIDGING):
+            return self._kept.popleft(), True
+        return self._time_up() or self._sources[state](), False
 
-    def next_event(self, state: State) -> tuple[Event, GroundAtom]:
-        if state is State.DECIDING:
-            return self.decide()
-        if state is State.LISTENING:
-            asked = self.person_chooses()
-            return (Event.PERSON_ACTED, asked) if asked else (Event.PERSON_IDLE, ())
-        if state is State.ACTING:
-            return (Event.STEP_FINISHED if self.step_succeeded else Event.STEP_FAILED), self.plan[0]
-        answers = {Outcome.SOLVED: Event.PLAN_READY, Outcome.UNSOLVABLE: Event.NO_PLAN_EXISTS}
-        return answers.get(self.proposal.outcome, Event.PLANNER_FAILED), ()
+    def _time_up(self) -> Notice | None:
+        """Return that the game is over, if it has taken too long without reaching the goal."""
+        limits, ending = self._limits, None
+        if len(self.course.steps) >= limits.max_steps:
+            ending = Ending.LIMIT
+        elif self._idle_events > limits.patience:
+            ending = Ending.STUCK
+        elif self._clock() - self._began > limits.game_s:
+            ending = Ending.TIME
+        if ending is None or self.course.has_reached_goal:
+            return None
+        return Notice(Event.TIME_UP, reason=ending.value)
 
-    def decide(self) -> tuple[Event, GroundAtom]:
-        if self.game.is_over:
-            return Event.GOAL_HOLDS, ()
-        if len(self.game.steps) >= self.max_steps or self.idle_events > _PATIENCE:
-            return Event.TIME_UP, ()
-        if not self.plan and not self.has_planned:  # predict before the person acts
-            return Event.PLAN_BROKEN, ()
-        if self.person.request is None or (self.robot_moved and self.person.thinks_over()):
-            self.robot_moved = False
-            asked = self.person_chooses()
+    def _handle(self, notice: Notice, from_outside: bool) -> None:
+        course = self.course
+        before, num_steps, request = course.state, len(course.steps), course.mind.request
+        commands = course.apply(notice, self._clock() - self._began)
+        self._idle_events += 1
+        if course.occurrences[-1].refusal:
+            if not from_outside:
+                self._make_good(notice)
+        elif len(course.steps) > num_steps:
+            self._show(notice.action, before, ask=Command.ASK_PERSON in commands)
+        elif notice.event is Event.FACT_OBSERVED:
+            self._has_planned = False
+        for command in commands:
+            if command in self._effects:
+                self._effects[command](notice)
+        if request is not None and Command.ADOPT_SAFE_PLAN in commands and request.action in course.refused:
+            self._person.give_up(request)
+        self._watch(course)
+
+    def _make_good(self, notice: Notice) -> None:
+        """Answer for what robot, planner or person said and could not be."""
+        instead = {Event.STEP_FINISHED: Event.STEP_FAILED, Event.PLAN_READY: Event.PLANNER_FAILED}
+        if notice.event in instead:
+            reason = self.course.occurrences[-1].refusal
+            self._inbox.append(Notice(instead[notice.event], notice.action, reason=reason))
+
+    def _show(self, action: GroundAtom, before: GameState, *, ask: bool) -> None:
+        """Let the person see a step that was taken, and answer if asked."""
+        if ask:
+            answer = self._person.judge(action, before)
+            if answer is not None:
+                self._inbox.append(Notice(Event.ANSWER_GIVEN, action, answer=answer))
+        self._person.watch(action, before, self.course.state)
+        self._impossible.clear()
+        self._has_planned, self._idle_events, self._robot_moved = False, 0, ask
+
+    def _decide(self) -> Notice:
+        course = self.course
+        if course.has_reached_goal:
+            return Notice(Event.GOAL_HOLDS)
+        if not course.plan and not self._has_planned:  # predict before the person acts
+            return Notice(Event.PLAN_OUTDATED)
+        if self._person.request is None or (self._robot_moved and self._person.thinks_over()):
+            self._robot_moved = False
+            asked = self._person_chooses()
             if asked:
-                return Event.PERSON_ACTED, asked
-        if not self.plan:
-            return Event.PLAN_BROKEN, ()
-        action = self.plan[0]
-        if self.is_human(action):
-            return Event.PERSON_NEXT, action
-        return (Event.ROBOT_NEXT, action) if self.game.allows(action) else (Event.PLAN_BROKEN, ())
+                return Notice(Event.PERSON_COMMANDED, asked)
+        if not course.plan or (course.is_outdated and not self._has_planned):
+            return Notice(Event.PLAN_OUTDATED)
+        action = course.plan[0]
+        if course.is_human(action):
+            return Notice(Event.PERSON_NEXT, action)
+        return Notice(Event.ROBOT_NEXT if course.allows(action) else Event.PLAN_OUTDATED, action)
 
-    def person_chooses(self) -> GroundAtom:
+    def _listen(self) -> Notice:
+        asked = self._person_chooses()
+        return Notice(Event.PERSON_COMMANDED, asked) if asked else Notice(Event.PERSON_IDLE)
+
+    def _person_chooses(self) -> GroundAtom:
         """Ask the person for a step until it names one that is possible, or none."""
-        while (asked := self.person.choose(self.refused)) and not self.game.allows(asked):
-            self.refused |= {asked}
-        return asked or ()
+        while asked := self._person.choose(self.course.refused | self._impossible):
+            if asked in self._impossible:
+                return ()  # the person does not listen
+            if self.course.is_step_of_person(asked) and self.course.allows(asked):
+                return asked
+            self._handle(Notice(Event.PERSON_COMMANDED, asked), from_outside=False)
+            self._impossible.add(asked)
+        return ()
 
-    def send_step(self, action: GroundAtom) -> None:
-        self.step_succeeded = self.robot.execute(action)
+    def _send_step(self, notice: Notice) -> None:
+        agent = self.course.setting.problem.agent_of(notice.action).name
+        self._num_orders += 1
+        self._sent_at, self._is_cancelled = self._clock(), False
+        answer = self._robots[agent].send(Order(self._num_orders, notice.action))
+        if isinstance(answer, Refused):
+            self._inbox.append(Notice(Event.STEP_FAILED, notice.action, reason=answer.reason))
 
-    def take_robot_step(self, action: GroundAtom) -> None:
-        self.take(action)
-        self.plan = self.plan[1:]
-        self.robot_moved = True
+    def _cancel_step(self, _: Notice) -> None:
+        self._robots[self.course.setting.problem.agent_of(self.course.last_order).name].cancel()
+        self._is_cancelled = True
 
-    def take_person_step(self, action: GroundAtom) -> None:
-        predicted = next((step for step in self.plan if self.is_human(step)), None)
-        self.num_deviations += action != predicted
-        self.num_changes += self.person.request is not None
-        self.take(action)
-        self.robot_moved = False
-        rest = list(self.plan)
-        if action in rest:
-            rest.remove(action)
-        self.plan = tuple(rest) if self.reaches_goal(rest) else ()
+    def _hear_robot(self, timeout_s: float = 0.05) -> Notice | None:
+        action = self.course.step_under_way
+        report = self._robots[self.course.setting.problem.agent_of(action).name].poll(timeout_s)
+        if report is not None:
+            return self._read(report, action)
+        waited_s = self._clock() - self._sent_at
+        if waited_s > 2 * self._limits.step_s:
+            return Notice(Event.STEP_FAILED, action, reason="the robot is lost")
+        if waited_s > self._limits.step_s and not self._is_cancelled:
+            return Notice(Event.TIME_PASSED, action)
+        return None
 
-    def take(self, action: GroundAtom) -> None:
-        self.game.take(action)
-        self.has_planned = False
-        self.idle_events = 0
+    def _read(self, report: Report, action: GroundAtom) -> Notice:
+        """Make a notice of a report, and more for the inbox if it says more."""
+        if isinstance(report, Observation):
+            return Notice(Event.FACT_OBSERVED, facts=report.facts)
+        if isinstance(report, Finished):
+            if report.facts:
+                self._inbox.append(Notice(Event.FACT_OBSERVED, facts=report.facts))
+            return Notice(Event.STEP_FINISHED, action)
+        reason = "blocked" if isinstance(report, Blocked) else report.reason
+        failed = Notice(Event.STEP_FAILED, action, reason=reason)
+        if isinstance(report, Blocked) and self.course.is_news(report.facts):
+            self._inbox.append(failed)
+            return Notice(Event.FACT_OBSERVED, facts=report.facts)
+        concluded = () if self._is_cancelled else self.course.conclude(action)
+        if concluded:
+            self._inbox.append(Notice(Event.FACT_OBSERVED, facts=concluded, reason="concluded"))
+        return failed
 
-    def request_plan(self, _: GroundAtom) -> None:
-        self.has_planned = True
-        began = self.clock()
-        self.proposal = self.planner(tuple(step.action for step in self.game.steps))
-        self.planning_s.append(self.clock() - began)
-        if self.proposal.outcome is Outcome.SOLVED and not self.reaches_goal(self.proposal.actions):
-            self.proposal = Proposal(Outcome.LIMIT)
+    def _request_plan(self, _: Notice) -> None:
+        self._has_planned, self._requested_at = True, self._clock()
+        self._desk.request(self.course.situation)
 
-    def adopt_plan(self, _: GroundAtom) -> None:
-        self.plan = self.proposal.actions
+    def _hear_planner(self) -> Notice:
+        waited_s = self._clock() - self._requested_at
+        step = self._bridge() if waited_s > self._limits.plan_s else ()
+        proposal = self._propose(0.0 if step else self._limits.plan_s)
+        if proposal is not None:
+            return proposal
+        step = self._bridge()
+        return Notice(Event.ROBOT_NEXT, step) if step else Notice(Event.TIME_PASSED)
 
-    def adopt_safe_plan(self, _: GroundAtom) -> None:
-        truth, request = self.setting.truth, self.person.request
-        self.plan = ()
-        if request is None:
-            action = follow(truth, self.game.state, None, "autonomous")
-            self.plan = (action,) if action else ()
-            return
-        way = truth.fulfilment_way(self.game.state, request)
-        if way is None:
-            self.refused |= {request.action}
-            self.person.give_up(request)
-        else:
-            self.plan = tuple(truth.task.action(operator) for operator in way)
+    def _propose(self, timeout_s: float) -> Notice | None:
+        proposal = self._desk.poll(timeout_s)
+        if proposal is None:
+            return None
+        if proposal.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        if proposal.outcome is Outcome.SOLVED:
+            return Notice(Event.PLAN_READY, plan=proposal.actions)
+        none_exists = proposal.outcome is Outcome.UNSOLVABLE
+        return Notice(Event.NO_PLAN_EXISTS if none_exists else Event.PLANNER_FAILED)
 
-    def is_human(self, action: GroundAtom) -> bool:
-        return self.setting.problem.agent_of(action).kind == "human"
+    def _bridge(self) -> GroundAtom:
+        """Return what the robot does while the plan is late: the safe thing, or the next of the old plan."""
+        course = self.course
+        step = course.safe_step() or (course.plan[0] if course.plan else ())
+        return step if step and not course.is_human(step) and course.allows(step) else ()
 
-    def reaches_goal(self, actions: Iterable[GroundAtom]) -> bool:
-        truth, state = self.setting.truth, self.game.state
-        for action in actions:
-            operator = truth.operator(state, action)
-            if operator is None:
-                return False
-            state = truth.task.successor(state, operator)
-        return truth.task.is_goal(state)
+    def _hear_both(self) -> Notice | None:
+        return self._propose(0.0) or self._hear_robot()
+
+
+def _named(setting: Setting, robots: Iterable[Robot] | None) -> dict[str, Robot]:
+    """Return the robots by name, with a door before each that is not faultless.
+
+    Raises
+    ------
+    UsageError
+        If there is not one for each robot of the team.
+    """
+    names = [agent.name for agent in setting.problem.agents if agent.kind == "robot"]
+    if robots is None:
+        return {name: FaultlessRobot(name) for name in names}
+    named: dict[str, Robot] = {robot.name: Door(robot, setting.truth.task) for robot in robots}
+    if sorted(named) != sorted(names):
+        raise UsageError(f"robots are needed for {', '.join(names)}, not for {', '.join(named) or 'none'}")
+    return named

@@ -19,6 +19,7 @@ class State(StrEnum):
     ACTING = "acting"
     LISTENING = "listening"
     PLANNING = "planning"
+    BRIDGING = "bridging"
     REACHED = "goal reached"
     FAILED = "failed"
     ABORTED = "aborted"
@@ -31,18 +32,19 @@ class Event(StrEnum):
     GOAL_HOLDS = "goal holds"
     ROBOT_NEXT = "robot next"
     PERSON_NEXT = "person next"
-    PLAN_BROKEN = "plan broken"
+    PLAN_OUTDATED = "plan outdated"
     # What the planner says.
     PLAN_READY = "plan ready"
     PLANNER_FAILED = "planner failed"
     NO_PLAN_EXISTS = "no plan exists"
-    # What robot and person do.
+    # What robot, person and clock do.
     STEP_FINISHED = "step finished"
     STEP_FAILED = "step failed"
-    PERSON_ACTED = "person acted"
+    PERSON_COMMANDED = "person commanded"
     PERSON_IDLE = "person idle"
     FACT_OBSERVED = "fact observed"
     ANSWER_GIVEN = "answer given"
+    TIME_PASSED = "time passed"
     TIME_UP = "time up"
     ABORT = "abort"
 
@@ -78,43 +80,69 @@ TABLE: Mapping[tuple[State, Event], Transition] = MappingProxyType(
         (State.DECIDING, Event.GOAL_HOLDS): (State.REACHED, ()),
         (State.DECIDING, Event.ROBOT_NEXT): (State.ACTING, (Command.SEND_STEP,)),
         (State.DECIDING, Event.PERSON_NEXT): (State.LISTENING, ()),
-        (State.DECIDING, Event.PLAN_BROKEN): (State.PLANNING, (Command.REQUEST_PLAN,)),
-        (State.DECIDING, Event.PERSON_ACTED): (State.DECIDING, (Command.TAKE_PERSON_STEP,)),
+        (State.DECIDING, Event.PLAN_OUTDATED): (State.PLANNING, (Command.REQUEST_PLAN,)),
+        (State.DECIDING, Event.PERSON_COMMANDED): (State.DECIDING, (Command.TAKE_PERSON_STEP,)),
+        (State.DECIDING, Event.PERSON_IDLE): (State.DECIDING, ()),
         (State.DECIDING, Event.FACT_OBSERVED): (State.DECIDING, (Command.TAKE_FACT,)),
         (State.DECIDING, Event.ANSWER_GIVEN): (State.DECIDING, (Command.RECORD_ANSWER,)),
+        (State.DECIDING, Event.TIME_PASSED): (State.DECIDING, ()),
         (State.DECIDING, Event.TIME_UP): (State.FAILED, ()),
         (State.DECIDING, Event.ABORT): (State.ABORTED, ()),
         # The robot is about a step; what the person does meanwhile counts once it is done. A failed step
         # alone teaches nothing that a planner could use: the plan stands until a fact or a person breaks it.
-        (State.ACTING, Event.STEP_FINISHED): (State.DECIDING, (Command.TAKE_ROBOT_STEP, Command.ASK_PERSON)),
+        # One that takes too long is given up; that too the robot has to say.
+        (State.ACTING, Event.STEP_FINISHED): (State.DECIDING, (Command.ASK_PERSON, Command.TAKE_ROBOT_STEP)),
         (State.ACTING, Event.STEP_FAILED): (State.DECIDING, ()),
-        (State.ACTING, Event.PERSON_ACTED): (State.ACTING, (Command.KEEP_PERSON_STEP,)),
+        (State.ACTING, Event.PERSON_COMMANDED): (State.ACTING, (Command.KEEP_PERSON_STEP,)),
+        (State.ACTING, Event.PERSON_IDLE): (State.ACTING, ()),
         (State.ACTING, Event.FACT_OBSERVED): (State.ACTING, (Command.TAKE_FACT,)),
         (State.ACTING, Event.ANSWER_GIVEN): (State.ACTING, (Command.RECORD_ANSWER,)),
+        (State.ACTING, Event.TIME_PASSED): (State.ACTING, (Command.CANCEL_STEP,)),
         (State.ACTING, Event.TIME_UP): (State.FAILED, (Command.CANCEL_STEP,)),
         (State.ACTING, Event.ABORT): (State.ABORTED, (Command.CANCEL_STEP,)),
         # The plan predicts a step of the person. If it does not come, planning again would predict it again.
-        (State.LISTENING, Event.PERSON_ACTED): (State.DECIDING, (Command.TAKE_PERSON_STEP,)),
+        (State.LISTENING, Event.PERSON_COMMANDED): (State.DECIDING, (Command.TAKE_PERSON_STEP,)),
         (State.LISTENING, Event.PERSON_IDLE): (State.DECIDING, (Command.ADOPT_SAFE_PLAN,)),
         (State.LISTENING, Event.FACT_OBSERVED): (State.DECIDING, (Command.TAKE_FACT,)),
         (State.LISTENING, Event.ANSWER_GIVEN): (State.LISTENING, (Command.RECORD_ANSWER,)),
+        (State.LISTENING, Event.TIME_PASSED): (State.DECIDING, (Command.ADOPT_SAFE_PLAN,)),
         (State.LISTENING, Event.TIME_UP): (State.FAILED, ()),
         (State.LISTENING, Event.ABORT): (State.ABORTED, ()),
-        # No plan fits. A plan for what has since changed is of no use, so the planner starts again.
+        # The planner is at work. A plan for what has since changed is of no use: then it starts again. If it
+        # is late, the robot goes on with what is left of the old plan, or does the safe thing.
         (State.PLANNING, Event.PLAN_READY): (State.DECIDING, (Command.ADOPT_PLAN,)),
         (State.PLANNING, Event.PLANNER_FAILED): (State.DECIDING, (Command.ADOPT_SAFE_PLAN,)),
         (State.PLANNING, Event.NO_PLAN_EXISTS): (State.FAILED, ()),
-        (State.PLANNING, Event.PERSON_ACTED): (
+        (State.PLANNING, Event.ROBOT_NEXT): (State.BRIDGING, (Command.SEND_STEP,)),
+        (State.PLANNING, Event.PERSON_COMMANDED): (
             State.PLANNING,
             (Command.CANCEL_PLANNER, Command.TAKE_PERSON_STEP, Command.REQUEST_PLAN),
         ),
+        (State.PLANNING, Event.PERSON_IDLE): (State.PLANNING, ()),
         (State.PLANNING, Event.FACT_OBSERVED): (
             State.PLANNING,
             (Command.CANCEL_PLANNER, Command.TAKE_FACT, Command.REQUEST_PLAN),
         ),
         (State.PLANNING, Event.ANSWER_GIVEN): (State.PLANNING, (Command.RECORD_ANSWER,)),
+        (State.PLANNING, Event.TIME_PASSED): (State.PLANNING, ()),
         (State.PLANNING, Event.TIME_UP): (State.FAILED, (Command.CANCEL_PLANNER,)),
         (State.PLANNING, Event.ABORT): (State.ABORTED, (Command.CANCEL_PLANNER,)),
+        # The robot is about a step while the planner is at work. What changes now is planned for after it.
+        (State.BRIDGING, Event.STEP_FINISHED): (
+            State.PLANNING,
+            (Command.ASK_PERSON, Command.TAKE_ROBOT_STEP),
+        ),
+        (State.BRIDGING, Event.STEP_FAILED): (State.PLANNING, ()),
+        (State.BRIDGING, Event.PLAN_READY): (State.ACTING, (Command.ADOPT_PLAN,)),
+        (State.BRIDGING, Event.PLANNER_FAILED): (State.ACTING, ()),
+        (State.BRIDGING, Event.NO_PLAN_EXISTS): (State.FAILED, (Command.CANCEL_STEP,)),
+        (State.BRIDGING, Event.PERSON_COMMANDED): (State.BRIDGING, (Command.KEEP_PERSON_STEP,)),
+        (State.BRIDGING, Event.PERSON_IDLE): (State.BRIDGING, ()),
+        (State.BRIDGING, Event.FACT_OBSERVED): (State.ACTING, (Command.CANCEL_PLANNER, Command.TAKE_FACT)),
+        (State.BRIDGING, Event.ANSWER_GIVEN): (State.BRIDGING, (Command.RECORD_ANSWER,)),
+        (State.BRIDGING, Event.TIME_PASSED): (State.BRIDGING, (Command.CANCEL_STEP,)),
+        (State.BRIDGING, Event.TIME_UP): (State.FAILED, (Command.CANCEL_STEP, Command.CANCEL_PLANNER)),
+        (State.BRIDGING, Event.ABORT): (State.ABORTED, (Command.CANCEL_STEP, Command.CANCEL_PLANNER)),
     }
 )
 
@@ -144,7 +172,9 @@ def react(state: State, event: Event) -> Transition:
 
 
 def draw_monitor() -> str:
-    """Draw the table as a Mermaid state diagram; events that only note something are left out.
+    """Draw the table as a Mermaid state diagram; events that change no state are left out.
+
+    ``tools/draw_monitor.py`` draws it into the docs.
 
     Examples
     --------

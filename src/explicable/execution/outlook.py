@@ -1,6 +1,7 @@
 """What can be expected of a state: exact costs of fulfilling requests and of finishing the mission."""
 
 import math
+from collections.abc import Iterable
 from typing import Literal, NamedTuple
 
 from explicable.errors import ResourceError
@@ -54,6 +55,15 @@ class Outlook:
         """Return the operator by which an action can be executed here, if it can."""
         operators = self.task.operators_of(action)
         return next((o for o in operators if self.task.is_applicable(state, o)), None)
+
+    def follow(self, state: State, actions: Iterable[GroundAtom]) -> State | None:
+        """Return the state after some actions; None if one of them can't be executed."""
+        for action in actions:
+            operator = self.operator(state, action)
+            if operator is None:
+                return None
+            state = self.task.successor(state, operator)
+        return state
 
     def stands(self, state: State, request: Request) -> bool:
         """Tell whether a request has not been withdrawn."""

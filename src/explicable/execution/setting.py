@@ -1,5 +1,6 @@
 """A team problem made ready for play: the truth, the beliefs, and what differs between them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from explicable.execution.outlook import Outlook
@@ -35,8 +36,16 @@ class Setting:
     same_schemas: bool
 
 
-def prepare(problem: TeamProblem) -> Setting:
+def prepare(problem: TeamProblem, observable: Iterable[GroundAtom] = ()) -> Setting:
     """Ground a team problem for play.
+
+    Parameters
+    ----------
+    problem
+        The team problem.
+    observable
+        Facts that may turn out to be otherwise during play, such as those of
+        `explicable.execution.observable_facts`. Each makes the tasks a little larger.
 
     Raises
     ------
@@ -44,11 +53,13 @@ def prepare(problem: TeamProblem) -> Setting:
         If the two models contradict each other.
     """
     differing = differences(problem)
+    observable = tuple(observable)
     composite, mental = problem.composite, problem.mental
     same_schemas = set(composite.domain.actions) == set(mental.domain.actions)
-    truth = Outlook(problem, build_stage(composite, differing))
+    truth = Outlook(problem, build_stage(composite, dict.fromkeys((*differing, *observable))))
     surprising = () if same_schemas else _surprising(truth.task, mental)
-    belief = Outlook(problem, build_stage(mental, dict.fromkeys((*differing, *surprising))))
+    learnable = (*differing, *surprising, *sayable(mental, observable))
+    belief = Outlook(problem, build_stage(mental, dict.fromkeys(learnable)))
     return Setting(problem, truth, belief, differing, same_schemas)
 
 
