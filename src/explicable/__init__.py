@@ -3,8 +3,9 @@
 The public names, each imported when it is first asked for, so that a small program starts fast.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from explicable.lazy import lazy_names
 
 if TYPE_CHECKING:
     from explicable.labelling import Labeller, read_traces
@@ -79,11 +80,4 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> object:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'explicable' has no attribute {name!r}")
-    return getattr(import_module(f"explicable.{_HOMES[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    return __all__
+__getattr__, __dir__ = lazy_names(__name__, _HOMES)

@@ -6,7 +6,8 @@
     ├── UsageError (also a ValueError)    the caller handed in something that cannot be meant
     ├── InputError                        foreign data is wrong; says file, line and column or record
     │   ├── PDDLError                     a domain or problem file
-    │   │   └── UnsupportedFeatureError   well-formed PDDL that this package does not plan for
+    │   │   ├── UnsupportedFeatureError   well-formed PDDL that this package does not plan for
+    │   │   └── ConflictError             the robot's and the human's model can't be composed
     │   ├── PlanError                     a plan file, or a plan that its task refuses
     │   ├── MapError                      a first-response map
     │   ├── TraceError                    a file of labelled traces
@@ -16,6 +17,7 @@
 *Unsolvable*, *out of time* and *the person deviated* are results, not exceptions.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 
@@ -74,6 +76,28 @@ class PDDLError(InputError):
 
 class UnsupportedFeatureError(PDDLError):
     """Well-formed PDDL that this package does not plan for."""
+
+
+class ConflictError(PDDLError):
+    """The robot's and the human's model use the same names for different things.
+
+    Parameters
+    ----------
+    conflicts
+        One error for each name, with its place in the human's file where that is known.
+
+    Examples
+    --------
+    >>> str(ConflictError([PDDLError("type 'cart' ...", path="a.pddl", line=3), PDDLError("object 'x' ...")]))
+    "a.pddl:3: type 'cart' ... (one of 2 conflicts: `explicable team` lists them)"
+    """
+
+    def __init__(self, conflicts: Sequence[PDDLError]) -> None:
+        first = conflicts[0]
+        number = len(conflicts)
+        more = f" (one of {number} conflicts: `explicable team` lists them)" if number > 1 else ""
+        super().__init__(first.message + more, path=first.path, line=first.line, column=first.column)
+        self.conflicts = tuple(conflicts)
 
 
 class PlanError(InputError):

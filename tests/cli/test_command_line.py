@@ -264,6 +264,7 @@ def test_the_same_seed_makes_the_same_traces(place, tmp_path):
 def test_every_command_explains_itself():
     for command in (
         [],
+        ["team"],
         ["plan"],
         ["demo"],
         ["explain"],

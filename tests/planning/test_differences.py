@@ -7,7 +7,8 @@ import pytest
 from explicable.model.grounding import ground, ground_team
 from explicable.model.team import TeamProblem
 from explicable.pddl import parse_domain, parse_problem, read_team_problem
-from explicable.planning.differences import correct, find_differences
+from explicable.planning.correction import correct
+from explicable.planning.differences import find_differences
 from labelling.small_teams import courier
 from planning.floors import DETOUR, floor
 
@@ -86,11 +87,11 @@ def test_names_of_parameters_numbers_and_whole_actions():
     longer = models(plain, ({"go": "(at ?r ?a)", "more": LAMP}, {"more": "", "way": 7}))
     assert [str(d) for d in find_differences(longer)] == [
         "(way x y) is 1",
-        "light is no action as the robots know it",
+        "there is no action (light ?r - robot)",
     ]
     shorter = models(({"go": "(at ?r ?a)", "more": LAMP}, {"more": "", "way": 7}), plain)
     (way, light) = find_differences(shorter)
-    assert str(light) == "light is an action as the robots know it"
+    assert str(light) == "there is an action (light ?r - robot)"
     assert ("light", "r") in [
         task.action(o)
         for task in [ground(correct(shorter, [light]).mental)]
@@ -106,5 +107,5 @@ def test_a_schema_of_another_form_is_told_whole():
     text = PROBLEM.format(more="", way=1)
     odd = TeamProblem(parse_problem(text, own), parse_problem(text, clashing))
     (difference,) = find_differences(odd)
-    assert "as the robots know it" in str(difference)
+    assert str(difference).startswith("there is an action (go ?r - robot")
     assert find_differences(correct(odd, [difference])) == ()

@@ -28,6 +28,7 @@ EXIT_INTERRUPTED = 130
 # Command -> module that defines it, imported when its command is called: so start-up stays short.
 COMMANDS = {
     "demo": "explicable.cli.demo",
+    "team": "explicable.cli.team",
     "plan": "explicable.cli.plan",
     "simulate": "explicable.cli.simulate",
     "train": "explicable.cli.labels",

@@ -56,7 +56,7 @@ def failing_part(
 
     for parameter in schema.parameters:
         if binding[parameter.name] not in objects(parameter):
-            return Atom(_type_name(parameter), (parameter.name,))
+            return Atom(format_types(parameter.types), (parameter.name,))
     return next((part for part in _conjuncts(schema.precondition) if not holds(part, binding)), None)
 
 
@@ -83,15 +83,22 @@ def format_formula(formula: Formula, binding: Binding) -> str:
             return write("or", parts)
         case Exists(parameters, body) | Forall(parameters, body):
             quantifier = "exists" if isinstance(formula, Exists) else "forall"
-            variables = " ".join(f"{p.name} - {_type_name(p)}" for p in parameters)
+            variables = " ".join(f"{p.name} - {format_types(p.types)}" for p in parameters)
             free = {
                 name: value for name, value in binding.items() if name not in {p.name for p in parameters}
             }
             return f"({quantifier} ({variables}) {format_formula(body, free)})"
 
 
-def _type_name(parameter: Parameter) -> str:
-    return parameter.types[0] if len(parameter.types) == 1 else f"(either {' '.join(parameter.types)})"
+def format_types(types: tuple[str, ...]) -> str:
+    """Write the types of a parameter or object as PDDL does.
+
+    Examples
+    --------
+    >>> format_types(("cart", "truck"))
+    '(either cart truck)'
+    """
+    return types[0] if len(types) == 1 else f"(either {' '.join(types)})"
 
 
 def _conjuncts(formula: Formula) -> Iterator[Formula]:

@@ -1,11 +1,12 @@
 """Teams: who acts, and the composition of the robot's and the human's model into one problem."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal
 
-from explicable.errors import PDDLError
+from explicable.errors import ConflictError, PDDLError
+from explicable.model.explanation import format_types
 from explicable.model.problem import (
     ActionSchema,
     Domain,
@@ -13,6 +14,7 @@ from explicable.model.problem import (
     GroundAtom,
     Predicate,
     Problem,
+    ancestors,
     supertypes,
 )
 
@@ -20,9 +22,6 @@ if TYPE_CHECKING:
     from explicable.model.task import Task
 
 DEFAULT_ROBOT = "robot"
-
-Declared = TypeVar("Declared", Predicate, Function)
-Value = TypeVar("Value")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +59,8 @@ class TeamProblem:
 
         Raises
         ------
-        PDDLError
-            If the two models declare the same name differently; the message gives the name.
+        ConflictError
+            If the two models use the same name for different things.
         """
         return self.robot if self.human is None else compose(self.robot, self.human)
 
@@ -112,6 +111,96 @@ def schema_kind(domain: Domain, schema: ActionSchema) -> Literal["robot", "human
     return "robot"
 
 
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """A name that the two models use for different things, so that they can't be composed.
+
+    Parameters
+    ----------
+    kind
+        What is declared: ``"type"``, ``"object"``, ``"predicate"``, ``"function"`` or ``"action"``.
+    name
+        Its name.
+    robot, human
+        What each of the models says of it.
+    """
+
+    kind: str
+    name: str
+    robot: str
+    human: str
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.name!r} {self.robot} in the robot's model, but {self.human} in the human's"
+
+
+def find_conflicts(robot: Problem, human: Problem) -> tuple[Conflict, ...]:
+    """List what keeps the two models from being composed.
+
+    Types with other parents, objects of other types, predicates and functions of another arity, or over types
+    that no object can have in both models, and actions that are robots' in one and humans' in the other.
+    Anything else that differs is a difference of opinion, not a conflict.
+
+    Examples
+    --------
+    >>> from explicable.model.problem import TRUE, Parameter
+    >>> own = Domain("d", frozenset(), {}, {}, (Predicate("at", ()),), (), ())
+    >>> theirs = replace(own, predicates=(Predicate("at", (Parameter("?p", ("object",)),)),))
+    >>> problem = Problem("p", own, {}, (), TRUE, {})
+    >>> print(*find_conflicts(problem, replace(problem, domain=theirs)))
+    predicate 'at' takes () in the robot's model, but (object) in the human's
+    """
+    own, theirs = robot.domain, human.domain
+    types = {**theirs.types, **own.types}
+    above = ancestors(types)
+
+    def overlap(one: Iterable[str], other: Iterable[str]) -> bool:
+        return any(not kinds.isdisjoint(one) and not kinds.isdisjoint(other) for kinds in above.values())
+
+    def clash(one: Predicate | Function, other: Predicate | Function) -> bool:
+        return len(one.parameters) != len(other.parameters) or not all(
+            overlap(p.types, q.types) for p, q in zip(one.parameters, other.parameters, strict=True)
+        )
+
+    conflicts = [
+        *_differing("type", own.types, theirs.types, "is"),
+        *_differing(
+            "object", {**own.constants, **robot.objects}, {**theirs.constants, **human.objects}, "is"
+        ),
+    ]
+    if conflicts:
+        return tuple(conflicts)  # what follows may only follow from these
+    declared: tuple[tuple[str, tuple[Predicate | Function, ...], tuple[Predicate | Function, ...]], ...] = (
+        ("predicate", own.predicates, theirs.predicates),
+        ("function", own.functions, theirs.functions),
+    )
+    for kind, mine, believed in declared:
+        by_name = {one.name: one for one in believed}
+        for one in mine:
+            other = by_name.get(one.name)
+            if other is not None and clash(one, other):
+                conflicts.append(Conflict(kind, one.name, f"takes {_form(one)}", _form(other)))
+    owners = {schema.name: schema_kind(theirs, schema) for schema in theirs.actions}
+    for schema in own.actions:
+        kind, other_kind = schema_kind(own, schema), owners.get(schema.name)
+        if other_kind not in {None, kind}:
+            conflicts.append(Conflict("action", schema.name, f"belongs to {kind}s", f"to {other_kind}s"))
+    return tuple(conflicts)
+
+
+def _differing(
+    kind: str, own: Mapping[str, tuple[str, ...]], theirs: Mapping[str, tuple[str, ...]], verb: str
+) -> Iterator[Conflict]:
+    for name, mine in own.items():
+        believed = theirs.get(name, mine)
+        if set(mine) != set(believed):
+            yield Conflict(kind, name, f"{verb} {format_types(mine)}", format_types(believed))
+
+
+def _form(declared: Predicate | Function) -> str:
+    return f"({' '.join(format_types(parameter.types) for parameter in declared.parameters)})"
+
+
 def compose(robot: Problem, human: Problem) -> Problem:
     """Compose ``M_R`` and ``~M_H`` into one problem.
 
@@ -121,44 +210,31 @@ def compose(robot: Problem, human: Problem) -> Problem:
 
     Raises
     ------
-    PDDLError
-        If a type, object, predicate or function is declared differently in the two; the message names it.
+    ConflictError
+        If the two use a name for different things; see `find_conflicts`.
     """
+    if conflicts := find_conflicts(robot, human):
+        raise ConflictError([PDDLError(str(conflict)) for conflict in conflicts])
     own, theirs = robot.domain, human.domain
     human_schemas = [schema for schema in theirs.actions if schema_kind(theirs, schema) == "human"]
     robot_side = [a for a in own.actions if not human_schemas or schema_kind(own, a) == "robot"]
     known = {predicate.name for predicate in own.predicates}
+    functions = {function.name for function in own.functions}
+    constants = {**own.constants, **theirs.constants}
+    objects = {**robot.objects, **human.objects}
     domain = replace(
         own,
         requirements=own.requirements | theirs.requirements,
-        types=_merge("type", own.types, theirs.types),
-        constants=_merge("constant", own.constants, theirs.constants),
-        predicates=_merge_declared("predicate", own.predicates, theirs.predicates),
-        functions=_merge_declared("function", own.functions, theirs.functions),
+        types={**own.types, **theirs.types},
+        constants=constants,
+        predicates=(*own.predicates, *(p for p in theirs.predicates if p.name not in known)),
+        functions=(*own.functions, *(f for f in theirs.functions if f.name not in functions)),
         actions=(*robot_side, *human_schemas),
     )
     return replace(
         robot,
         domain=domain,
-        objects=_merge("object", robot.objects, human.objects),
+        objects={name: types for name, types in objects.items() if name not in constants},
         init=robot.init + tuple(atom for atom in human.init if atom[0] not in known),
         values={**human.values, **robot.values},
     )
-
-
-def _merge(kind: str, own: Mapping[str, Value], theirs: Mapping[str, Value]) -> Mapping[str, Value]:
-    for name in own.keys() & theirs.keys():
-        if own[name] != theirs[name]:
-            raise PDDLError(f"{kind} {name!r} differs between the robot's and the human's model")
-    return {**own, **theirs}
-
-
-def _merge_declared(
-    kind: str, own: tuple[Declared, ...], theirs: tuple[Declared, ...]
-) -> tuple[Declared, ...]:
-    by_name = {declared.name: declared for declared in own}
-    for declared in theirs:
-        other = by_name.get(declared.name)
-        if other is not None and len(other.parameters) != len(declared.parameters):
-            raise PDDLError(f"{kind} {declared.name!r} differs between the robot's and the human's model")
-    return own + tuple(declared for declared in theirs if declared.name not in by_name)

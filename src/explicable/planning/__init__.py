@@ -3,11 +3,13 @@
 The public names, each imported when it is first asked for: a plan needs only the planner.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from explicable.lazy import lazy_names
+
 if TYPE_CHECKING:
-    from explicable.planning.differences import Difference, correct, find_differences
+    from explicable.planning.correction import correct
+    from explicable.planning.differences import Comparison, Difference, compare, find_differences
     from explicable.planning.explanation import Finding, StepExplanation, explain
     from explicable.planning.measures import Measures, measure
     from explicable.planning.pareto import FrontPlan, choose, front
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from explicable.planning.telling import ToldPlan, conform_or_explain
 
 _HOMES = {
+    "Comparison": "differences",
     "Difference": "differences",
     "Finding": "explanation",
     "FrontPlan": "pareto",
@@ -37,8 +40,9 @@ _HOMES = {
     "ToldPlan": "telling",
     "check_alpha": "planner",
     "choose": "pareto",
+    "compare": "differences",
     "conform_or_explain": "telling",
-    "correct": "differences",
+    "correct": "correction",
     "explain": "explanation",
     "find_differences": "differences",
     "front": "pareto",
@@ -52,6 +56,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "Comparison",
     "Difference",
     "Finding",
     "FrontPlan",
@@ -64,6 +69,7 @@ __all__ = [
     "ToldPlan",
     "check_alpha",
     "choose",
+    "compare",
     "conform_or_explain",
     "correct",
     "explain",
@@ -79,11 +85,4 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> object:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'explicable.planning' has no attribute {name!r}")
-    return getattr(import_module(f"explicable.planning.{_HOMES[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    return __all__
+__getattr__, __dir__ = lazy_names(__name__, _HOMES)

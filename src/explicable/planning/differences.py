@@ -6,15 +6,15 @@ and costs, each of which the person can be told. What humans can do and what is 
 telling, so differences in them do not count.
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
 
-from explicable.model.explanation import format_formula
+from explicable.model.explanation import format_formula, format_types
 from explicable.model.plan import format_action
 from explicable.model.problem import (
     TRUE,
     ActionSchema,
-    And,
     Domain,
     Effect,
     Formula,
@@ -24,7 +24,7 @@ from explicable.model.problem import (
     Problem,
 )
 from explicable.model.team import TeamProblem, schema_kind
-from explicable.planning.schemas import conjuncts, renamed, terms
+from explicable.planning.schemas import conjuncts, renamed
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,8 +90,9 @@ class SchemaDifference:
 
     def __str__(self) -> str:
         match self.part:
-            case ActionSchema():
-                return f"{self.schema} is {'an' if self.present else 'no'} action as the robots know it"
+            case ActionSchema(name, parameters):
+                form = " ".join((name, *(f"{p.name} - {format_types(p.types)}" for p in parameters)))
+                return f"there is {'an action' if self.present else 'no action'} ({form})"
             case Effect(atom, positive, condition, _):
                 written = format_formula(atom if positive else Not(atom), {})
                 when = "" if condition == TRUE else f" when {format_formula(condition, {})}"
@@ -132,112 +133,108 @@ def find_differences(problem: TeamProblem) -> tuple[Difference, ...]:
     return (
         *(FactDifference(atom, holds=atom in own) for atom in facts),
         *(ValueDifference(term, value) for term, value in values),
-        *_schema_differences(robot.domain, human.domain),
+        *_schema_differences(_schemas_of("robot", robot.domain), _schemas_of("robot", human.domain)),
     )
 
 
-def correct(problem: TeamProblem, told: Iterable[Difference]) -> TeamProblem:
-    """Return the team problem after the person was told of some differences.
+@dataclass(frozen=True, slots=True)
+class NameDifference:
+    """A type, object, predicate or function that only one of the two models has.
 
-    What the robots and humans can really do, the composite task, stays the same.
+    Examples
+    --------
+    >>> print(NameDifference("predicate", "memory-free", in_robots=True))
+    predicate memory-free is unknown to the person
+    """
+
+    kind: str
+    name: str
+    in_robots: bool
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.name} is unknown to the {'person' if self.in_robots else 'robots'}"
+
+
+@dataclass(frozen=True, slots=True)
+class GoalDifference:
+    """A part of the goal that only one of the two models has; the robots' goal is the team's."""
+
+    part: Formula
+    in_robots: bool
+
+    def __str__(self) -> str:
+        whose = "robots" if self.in_robots else "person"
+        return f"{format_formula(self.part, {})} is a goal to the {whose} alone"
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """All in which the two models of a team differ.
+
+    Attributes
+    ----------
+    tellable
+        What the person could be told of the robots' model; see `find_differences`.
+    names
+        What only one of the two has a name for.
+    goals
+        Where the person has another goal in mind. The team's is the robots'.
+    human_actions
+        Where the robots' file describes humans' actions otherwise than the human's does. The human's counts.
+    """
+
+    tellable: tuple[Difference, ...]
+    names: tuple[NameDifference, ...]
+    goals: tuple[GoalDifference, ...]
+    human_actions: tuple[SchemaDifference, ...]
+
+
+def compare(problem: TeamProblem) -> Comparison:
+    """Compare the two models of a team.
+
+    Differences are allowed: planning is about them. Names that the two use for different things are not; see
+    `explicable.model.team.find_conflicts`.
 
     Examples
     --------
     >>> from explicable.first_response.encoding import encode
     >>> from explicable.first_response.world import World
-    >>> team = encode(World(("@x*", "..o")))
-    >>> find_differences(correct(team, find_differences(team)))
+    >>> compare(encode(World(("@x*", "..o")))).names
     ()
     """
-    human = _declare(problem.mental, problem.robot, told := tuple(told))
-    init = dict.fromkeys(human.init)
-    values = dict(human.values)
-    schemas = {schema.name: schema for schema in human.domain.actions}
-    own = {schema.name: schema for schema in problem.robot.domain.actions}
-    for difference in told:
-        match difference:
-            case FactDifference(atom, holds=True):
-                init[atom] = None
-            case FactDifference(atom):
-                init.pop(atom, None)
-            case ValueDifference(term, value):
-                values[term] = value
-            case SchemaDifference(name, ActionSchema() as whole, present):
-                if present:
-                    schemas[name] = whole
-                else:
-                    del schemas[name]
-            case SchemaDifference(name):
-                schema = renamed(schemas[name], own[name])
-                if schema is not None:
-                    schemas[name] = _corrected(schema, difference)
-    domain = replace(human.domain, actions=tuple(schemas.values()))
-    return replace(problem, human=replace(human, domain=domain, init=tuple(init), values=values))
+    robot, human = problem.robot, problem.mental
+    names = [
+        NameDifference(kind, name, in_robots=name in own)
+        for (kind, own), theirs in zip(_declared(robot).items(), _declared(human).values(), strict=True)
+        for name in (*(n for n in own if n not in theirs), *(n for n in theirs if n not in own))
+    ]
+    parts, believed = tuple(conjuncts(robot.goal)), tuple(conjuncts(human.goal))
+    goals = [
+        *(GoalDifference(part, in_robots=True) for part in parts if part not in believed),
+        *(GoalDifference(part, in_robots=False) for part in believed if part not in parts),
+    ]
+    by_robots, by_human = _schemas_of("human", robot.domain), _schemas_of("human", human.domain)
+    human_actions = _schema_differences(by_human, by_robots) if by_robots and by_human else ()
+    return Comparison(find_differences(problem), tuple(names), tuple(goals), tuple(human_actions))
 
 
-def _corrected(schema: ActionSchema, difference: SchemaDifference) -> ActionSchema:
-    """Put a part into a schema, or take it out."""
-    match difference.part:
-        case Effect() as effect:
-            others = tuple(other for other in schema.effects if other != effect)
-            return replace(schema, effects=(*others, effect) if difference.present else others)
-        case tuple(cost):
-            return replace(schema, cost=cost)
-        case formula:
-            parts = tuple(part for part in conjuncts(schema.precondition) if part != formula)
-            return replace(
-                schema,
-                precondition=And((*parts, formula) if difference.present else parts),  # type: ignore[arg-type]
-            )
+def _declared(problem: Problem) -> dict[str, tuple[str, ...]]:
+    domain = problem.domain
+    return {
+        "type": tuple(domain.types),
+        "object": (*domain.constants, *problem.objects),
+        "predicate": tuple(predicate.name for predicate in domain.predicates),
+        "function": tuple(function.name for function in domain.functions),
+    }
 
 
-def _declare(human: Problem, robot: Problem, told: Iterable[Difference]) -> Problem:
-    """Declare what telling needs words for; without facts, types and predicates mean nothing yet."""
-    domain = human.domain
-    predicates = {predicate.name for predicate in domain.predicates}
-    functions = {function.name for function in domain.functions}
-    known = {*human.objects, *domain.constants}
-    everything = {**robot.domain.constants, **robot.objects}
-    named = {name for difference in told for name in _objects(difference)}
-    return replace(
-        human,
-        domain=replace(
-            domain,
-            types={**robot.domain.types, **domain.types},
-            predicates=(
-                *domain.predicates,
-                *(p for p in robot.domain.predicates if p.name not in predicates),
-            ),
-            functions=(*domain.functions, *(f for f in robot.domain.functions if f.name not in functions)),
-        ),
-        objects={
-            **human.objects,
-            **{name: types for name, types in everything.items() if name in named - known},
-        },
-    )
+def _schemas_of(kind: Literal["robot", "human"], domain: Domain) -> Mapping[str, ActionSchema]:
+    return {schema.name: schema for schema in domain.actions if schema_kind(domain, schema) == kind}
 
 
-def _objects(difference: Difference) -> Iterator[str]:
-    """Names of objects that a difference mentions: constants, where it is one of schemas."""
-    if not isinstance(difference, SchemaDifference):
-        yield from difference.names
-        return
-    match difference.part:
-        case ActionSchema(_, _, precondition, effects):
-            formulas = [precondition, *(f for e in effects for f in (e.atom, e.condition))]
-        case Effect(atom, _, condition):
-            formulas = [atom, condition]
-        case tuple():
-            formulas = []
-        case formula:
-            formulas = [formula]
-    for formula in formulas:
-        yield from (term for term in terms(formula) if not term.startswith("?"))
-
-
-def _schema_differences(own: Domain, theirs: Domain) -> Iterator[SchemaDifference]:
-    believed = {schema.name: schema for schema in theirs.actions if schema_kind(theirs, schema) == "robot"}
-    true = {schema.name: schema for schema in own.actions if schema_kind(own, schema) == "robot"}
+def _schema_differences(
+    true: Mapping[str, ActionSchema], believed: Mapping[str, ActionSchema]
+) -> Iterator[SchemaDifference]:
     for name, schema in true.items():
         other = renamed(believed[name], schema) if name in believed else None
         if other is None:

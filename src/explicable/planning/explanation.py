@@ -20,7 +20,8 @@ from explicable.model.problem import GroundAtom
 from explicable.model.task import State, Task
 from explicable.model.team import TeamTask
 from explicable.planning.beliefs import watch
-from explicable.planning.differences import Difference, correct, find_differences
+from explicable.planning.correction import correct
+from explicable.planning.differences import Difference, find_differences
 from explicable.search import search
 
 if TYPE_CHECKING:
