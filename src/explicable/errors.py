@@ -11,7 +11,8 @@
     │   ├── PlanError                     a plan file, or a plan that its task refuses
     │   ├── MapError                      a first-response map
     │   ├── TraceError                    a file of labelled traces
-    │   └── LabellerError                 a labeller file
+    │   ├── LabellerError                 a labeller file
+    │   └── RobotError                    a message on a robot's wire
     └── ResourceError                     a task needs more memory than was allowed
 
 *Unsolvable*, *out of time* and *the person deviated* are results, not exceptions.
@@ -114,3 +115,7 @@ class TraceError(InputError):
 
 class LabellerError(InputError):
     """A labeller file is damaged, foreign, or does not fit the problem."""
+
+
+class RobotError(InputError):
+    """A message on a robot's wire is damaged or not meant for whom it reached."""

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from typing import Protocol
 
 from explicable.execution.robots.protocol import (
     Accepted,
@@ -23,33 +24,50 @@ Duration = Callable[[GroundAtom], float]
 """How long a step takes, in seconds."""
 
 
+class ActedWorld(Protocol):
+    """What simulated robots act in."""
+
+    def take(self, action: GroundAtom) -> bool:
+        """Carry a step out; False if it is not possible, and then nothing has changed."""
+
+    def hindrances(self, action: GroundAtom) -> tuple[Fact, ...]:
+        """Return the facts that are in the way of a step, as far as they can be named."""
+
+
 class SimulatedWorld:
     """What is really so; several simulated robots share one.
 
     Parameters
     ----------
     task
-        The truth. People's steps are taken by `SimulatedWorld.take`, as those of robots.
+        The truth.
+
+    Attributes
+    ----------
+    state
+        The present state. People's steps come true by `take`, as those of robots.
     """
 
     def __init__(self, task: Task) -> None:
         self.task = task
         self.state = task.initial_state
 
-    def take(self, action: GroundAtom) -> tuple[Fact, ...]:
-        """Carry a step out; if it can't be, change nothing and return the facts that are in its way."""
-        task, operators = self.task, self.task.operators_of(action)
-        possible = next((o for o in operators if task.is_applicable(self.state, o)), None)
-        if possible is not None:
-            self.state = task.successor(self.state, possible)
-            return ()
-        lacking = [
-            _denial(task.fact(fact))
-            for operator in operators[:1]
-            for fact in task.core.preconditions(operator)
-            if not task.core.holds(self.state, [fact])
-        ]
-        return tuple(lacking)
+    def take(self, action: GroundAtom) -> bool:
+        """Carry a step out; False if it is not possible, and then nothing has changed."""
+        for operator in self.task.operators_of(action):
+            if self.task.is_applicable(self.state, operator):
+                self.state = self.task.successor(self.state, operator)
+                return True
+        return False
+
+    def hindrances(self, action: GroundAtom) -> tuple[Fact, ...]:
+        """Return the facts that are in the way of a step; of one with alternatives, of the first."""
+        return tuple(
+            _denial(self.task.fact(fact))
+            for operator in self.task.operators_of(action)[:1]
+            for fact in self.task.core.preconditions(operator)
+            if not self.task.core.holds(self.state, [fact])
+        )
 
 
 class SimulatedRobot:
@@ -72,7 +90,7 @@ class SimulatedRobot:
     def __init__(
         self,
         name: str,
-        world: SimulatedWorld,
+        world: ActedWorld,
         *,
         duration: Duration = lambda _: 0.0,
         clock: Callable[[], float] | None = None,
@@ -129,10 +147,10 @@ class SimulatedRobot:
         reason = self._fault(order.action)
         if reason is not None:
             return Failed(order.number, reason)
-        if not self._world.task.operators_of(order.action):
-            return Failed(order.number, "no such step here")
-        blocking = self._world.take(order.action)
-        return Blocked(order.number, blocking) if blocking else Finished(order.number)
+        if self._world.take(order.action):
+            return Finished(order.number)
+        facts = self._world.hindrances(order.action)
+        return Blocked(order.number, facts) if facts else Failed(order.number, "not possible here")
 
 
 def _denial(precondition: GroundAtom) -> Fact:
