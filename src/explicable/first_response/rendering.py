@@ -87,12 +87,12 @@ def render(
     actions = plan.actions if isinstance(plan, JointPlan) else tuple(plan or ())
     doubted = _doubted_steps(actions, labels, probabilities)
     routes = trace_routes(world, actions)
-    names = dict(zip(world.marks, _letters(len(world.marks)), strict=True))
+    names = dict(zip(world.marks, room_letters(len(world.marks)), strict=True))
 
-    canvas = _canvas(world)
+    canvas = frame_map(world)
     clock = Clock(len(actions), step_s)
     removed = {way.end: way.step for way in routes.passages if actions[way.step][0] == "remove-obstacle"}
-    parts = _floor_plan(world, view, routes.commands, removed, clock)
+    parts = draw_floor_plan(world, view, routes.commands, removed, clock)
     for robot in range(len(world.robots)):
         passages = [passage for passage in routes.passages if passage.robot == robot_name(robot)]
         parts += draw_arrows(
@@ -136,7 +136,7 @@ def _box(*numbers: float) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class _Canvas:
+class Canvas:
     """The part of the plane that a map's picture shows, and how large.
 
     ``zoom`` is the number of drawing units to a pixel, ``emphasis`` how much larger than its cells the
@@ -151,7 +151,7 @@ class _Canvas:
     emphasis: float
 
 
-def _canvas(world: World) -> _Canvas:
+def frame_map(world: World) -> Canvas:
     """Frame a map; of a wall all around only a strip is shown."""
     last_row, last_column = world.height - 1, world.width - 1
     walled = min(last_row, last_column) > 1 and all(
@@ -164,7 +164,7 @@ def _canvas(world: World) -> _Canvas:
     cropped = 0.7 * CELL if walled else 0.0
     width, height = world.width * CELL - 2 * cropped, world.height * CELL - 2 * cropped
     zoom = max(1.0, max(width, height) / LARGEST_PX)
-    return _Canvas(cropped, cropped, width, height, zoom, emphasis=max(1.0, 0.75 * zoom))
+    return Canvas(cropped, cropped, width, height, zoom, emphasis=max(1.0, 0.75 * zoom))
 
 
 def _doubted_steps(
@@ -181,8 +181,14 @@ def _doubted_steps(
     return frozenset(step for step, probability in enumerate(probabilities or ()) if probability < 0.5)
 
 
-def _letters(count: int) -> list[str]:
-    """Name rooms A, B, ..., Z, AA, AB, ..."""
+def room_letters(count: int) -> list[str]:
+    """Name rooms A, B, ..., Z, AA, AB, ...
+
+    Examples
+    --------
+    >>> room_letters(3)
+    ['A', 'B', 'C']
+    """
     names = list(ascii_uppercase)
     length = 2
     while len(names) < count:
@@ -191,9 +197,10 @@ def _letters(count: int) -> list[str]:
     return names[:count]
 
 
-def _floor_plan(
+def draw_floor_plan(
     world: World, view: View, commands: Sequence[Command], removed: dict[Cell, int], clock: Clock
 ) -> list[str]:
+    """Draw what the robots move on, signs and ways left out."""
     width, height = world.width * CELL, world.height * CELL
     large = world.width * world.height >= LARGE
     parts = [f'<rect width="{width}" height="{height}" fill="{glyphs.FLOOR_INK}"/>']

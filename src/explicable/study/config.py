@@ -1,0 +1,256 @@
+"""A study as its researcher writes it down: ``study.toml`` (docs/study.md)."""
+
+import hashlib
+import tomllib
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from explicable.errors import InputError
+from explicable.execution.episodes import Way
+from explicable.first_response.encoding import Semantics
+from explicable.study.game import Ask
+
+FILE = "study.toml"
+
+Text = Annotated[str, Field(min_length=1, max_length=20_000)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
+Seconds = Annotated[float, Field(ge=0, le=60)]
+
+
+class _Table(BaseModel):
+    """A table of the file: unknown keys are errors, values are not bent to fit."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class Play(_Table):
+    """How maps are played.
+
+    Parameters
+    ----------
+    semantics, mode
+        See the method page, section 5.
+    ask
+        Whether people are asked about a robot's step after or before it is taken.
+    step_s, idle_step_s
+        Seconds that the robot waits before each step, with and without a command.
+    """
+
+    semantics: Semantics = "exclusive"
+    mode: Way = "commanded"
+    ask: Ask = "after"
+    step_s: Seconds = 1.0
+    idle_step_s: Seconds = 1.0
+
+
+class Condition(Play):
+    """An experimental condition: a name, and what differs from the table ``play``."""
+
+    name: Name = "all"
+
+
+class Task(_Table):
+    """What is put before people: a map to play, or a plan to watch and label.
+
+    Parameters
+    ----------
+    name
+        Goes into the data; people never see it.
+    map, domain, problem, human_domain, human_problem
+        The map, or the team problem as PDDL; files, relative to the study's folder.
+    plan
+        Plan file to replay; without it the map is played.
+    source
+        What made the plan, such as ``ff``; goes into the data, people never see it.
+    people
+        How many people should finish this task in each condition (played) or altogether (replayed).
+    """
+
+    name: Name
+    map: Text | None = None
+    domain: Text | None = None
+    problem: Text | None = None
+    human_domain: Text | None = None
+    human_problem: Text | None = None
+    plan: Text | None = None
+    source: Text = "study"
+    people: Annotated[int, Field(ge=1, le=100_000)] = 5
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        if (self.map is None) == (self.domain is None):
+            raise ValueError("a task has either a map, or a domain and a problem")
+        if self.domain is not None and (self.problem is None or self.plan is None):
+            raise ValueError("a task with a domain needs a problem and a plan")
+        return self
+
+    @property
+    def kind(self) -> Literal["play", "replay"]:
+        """Whether a map is played, or a plan is replayed."""
+        return "play" if self.plan is None else "replay"
+
+
+class Question(_Table):
+    """A comprehension question, or an attention check that says openly what to choose."""
+
+    text: Text
+    choices: Annotated[list[Text], Field(min_length=2, max_length=10)]
+    answer: Text
+
+    @model_validator(mode="after")
+    def _has_answer(self) -> Self:
+        if self.answer not in self.choices:
+            raise ValueError("the answer is not among the choices")
+        return self
+
+
+class Rating(_Table):
+    """A statement to rate from 1 to 10 at the end."""
+
+    name: Name
+    text: Text
+    low: Text = ""
+    high: Text = ""
+
+
+class Texts(_Table):
+    """Markdown files, relative to the study's folder; what is left out has the package's own text."""
+
+    consent: Text | None = None
+    instructions: Text | None = None
+    debrief: Text | None = None
+
+
+class Recruitment(_Table):
+    """Where people come from, and where they are sent back to.
+
+    ``return_url`` may hold ``{code}``, the session's completion code.
+    """
+
+    platform: Literal["plain", "prolific", "mturk", "sona"] = "plain"
+    return_url: Annotated[str, Field(pattern=r"^https?://[^\s<>\"']+$", max_length=500)] | None = None
+    allow_repeats: bool = False
+
+
+class Study(_Table):
+    """A whole study.
+
+    Parameters
+    ----------
+    title, language, contact
+        What people see first.
+    seed
+        Of all chance: who gets which tasks, in which order.
+    tasks_each
+        Tasks of one person.
+    max_attempts
+        How often the comprehension questions may be tried.
+    time_limit_min
+        Minutes without a sign of life after which a session gives its place back.
+    practice
+        Map to practise on.
+    """
+
+    title: Text
+    language: Literal["en", "de"] = "en"
+    contact: Text = ""
+    seed: Annotated[int, Field(ge=0)] = 0
+    tasks_each: Annotated[int, Field(ge=1, le=100)] = 4
+    max_attempts: Annotated[int, Field(ge=1, le=20)] = 3
+    time_limit_min: Annotated[float, Field(gt=0)] = 60.0
+    practice: Text
+    play: Play = Play()
+    texts: Texts = Texts()
+    recruitment: Recruitment = Recruitment()
+    condition: Annotated[list[Condition], Field(max_length=100)] = []
+    question: Annotated[list[Question], Field(max_length=50)] = []
+    rating: Annotated[list[Rating], Field(max_length=50)] = []
+    sentences: dict[str, Text] = {}
+    facts: dict[str, Text] = {}
+    task: Annotated[list[Task], Field(min_length=1, max_length=10_000)]
+
+    @model_validator(mode="after")
+    def _names_are_unique(self) -> Self:
+        for what, names in (
+            ("task", [task.name for task in self.task]),
+            ("condition", [condition.name for condition in self.condition]),
+            ("rating", [rating.name for rating in self.rating]),
+        ):
+            twice = next((name for name in names if names.count(name) > 1), None)
+            if twice:
+                raise ValueError(f"two {what}s are called {twice!r}")
+        return self
+
+    @property
+    def conditions(self) -> list[Condition]:
+        """The conditions; a study that names none has one."""
+        return self.condition or [Condition(**self.play.model_dump())]
+
+
+def read_study(folder: str | Path) -> Study:
+    """Read a study's file.
+
+    Raises
+    ------
+    InputError
+        If it is missing or wrong; names the key.
+
+    Examples
+    --------
+    >>> read_study("nowhere")
+    Traceback (most recent call last):
+    explicable.errors.InputError: nowhere/study.toml: cannot be read: No such file or directory
+    """
+    path = Path(folder) / FILE
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", path=path) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"not TOML: {error}", path=path) from error
+    shared = data.get("play", {})
+    conditions = data.get("condition")
+    if isinstance(shared, dict) and isinstance(conditions, list):
+        # A condition says only what differs from the table that all share.
+        data["condition"] = [{**shared, **c} if isinstance(c, dict) else c for c in conditions]
+    try:
+        return Study.model_validate(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])
+        message = first["msg"].removeprefix("Value error, ")
+        raise InputError(f"{place}: {message}" if place else message, path=path) from error
+
+
+def resolve(folder: Path, name: str) -> Path:
+    """Return the path of a file of the study, which lies in its folder.
+
+    Raises
+    ------
+    InputError
+        If the name leads out of the folder.
+
+    Examples
+    --------
+    >>> resolve(Path("study"), "../secret")
+    Traceback (most recent call last):
+    explicable.errors.InputError: study/study.toml: '../secret' lies outside the study's folder
+    """
+    inside = (folder / name).resolve().is_relative_to(folder.resolve())
+    if not inside:
+        raise InputError(f"{name!r} lies outside the study's folder", path=folder / FILE)
+    return folder / name
+
+
+def study_hash(folder: Path, study: Study) -> str:
+    """Return the SHA-256 of the study's file and of every file that it names."""
+    names = [FILE, study.practice, *study.texts.model_dump(exclude_none=True).values()]
+    for task in study.task:
+        files = (task.map, task.domain, task.problem, task.human_domain, task.human_problem, task.plan)
+        names += [name for name in files if name is not None]
+    digest = hashlib.sha256()
+    for name in dict.fromkeys(names):
+        digest.update(hashlib.sha256(resolve(folder, name).read_bytes()).digest())
+    return digest.hexdigest()
