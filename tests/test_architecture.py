@@ -25,6 +25,21 @@ def test_only_the_kernels_faces_touch_the_compiled_core():
     assert {path for path in users if not CORE_USERS.match(path)} == set()
 
 
+def importers_of(library):
+    package = ROOT / "src" / "explicable"
+    imports = re.compile(rf"^\s*(from|import) {library}\b", flags=re.MULTILINE)
+    return {p.relative_to(package).as_posix() for p in package.rglob("*.py") if imports.search(p.read_text())}
+
+
+def test_only_the_studys_store_touches_the_database_and_only_its_app_the_web():
+    store = {"study/store.py", "study/writer.py", "study/schema.py"}
+    migrations = {path for path in importers_of("sqlalchemy") if path.startswith("study/migrations/")}
+    assert importers_of("sqlalchemy") - migrations <= store | {"cli/study.py"}
+    web = {"study/app.py", "study/admin.py", "study/pages.py", "cli/study.py"}
+    assert importers_of("fastapi") <= web
+    assert importers_of("starlette") <= web | {"study/security.py"}
+
+
 def test_the_command_line_starts_without_heavy_libraries():
     listing = "import sys, explicable.cli; explicable.cli.run(['plan', '--help']); print(sorted(sys.modules))"
     shown = subprocess.run([sys.executable, "-c", listing], capture_output=True, text=True, check=True).stdout

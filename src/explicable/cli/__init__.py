@@ -40,6 +40,7 @@ COMMANDS = {
     "front": "explicable.cli.front",
     "traces": "explicable.cli.labels",
     "first-response": "explicable.cli.first_response",
+    "study": "explicable.cli.study",
 }
 
 

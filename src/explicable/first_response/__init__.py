@@ -4,7 +4,7 @@ from explicable.first_response.encoding import Semantics, encode
 from explicable.first_response.generator import builtin_maps, generate
 from explicable.first_response.picture_key import key_entries
 from explicable.first_response.rendering import render
-from explicable.first_response.scene import render_scene
+from explicable.first_response.scene import render_scene, scene_key
 from explicable.first_response.world import (
     Cell,
     View,
@@ -31,5 +31,6 @@ __all__ = [
     "read_map",
     "render",
     "render_scene",
+    "scene_key",
     "shortest_path",
 ]

@@ -123,3 +123,29 @@ def _robot(name: str, place: Cell, step: GroundAtom | None, scale: float, *, is_
             f'dur="{GLIDE_S}s"/>'
         )
     return glyphs.placed(f"<g>{glyphs.placed(head, 0, 0, scale)}{glide}</g>", *centre(place))
+
+
+def scene_key() -> tuple[tuple[str, str], ...]:
+    """Return the signs of `render_scene`, each an SVG element of its own, with their meanings.
+
+    Examples
+    --------
+    >>> [meaning for _, meaning in scene_key()]
+    ['robot', 'room to visit', 'room commanded', 'room visited', 'wall', 'obstacle that the robot can clear']
+    """
+    cell, middle = [(0, 0)], (CELL / 2, CELL / 2)
+    frame = glyphs.path(glyphs.boxes(cell, 0.5), stroke=glyphs.GRID_INK, stroke_width=1)
+    room = glyphs.path(glyphs.boxes(cell), fill=glyphs.ROOM_FILL)
+    signs = (
+        (frame + glyphs.placed(glyphs.robot_head(), *middle), "robot"),
+        (room + glyphs.placed(glyphs.room_badge("A"), *middle), "room to visit"),
+        (glyphs.command_cells(cell) + glyphs.placed(glyphs.room_badge("A"), *middle), "room commanded"),
+        (room + glyphs.placed(_visited_badge("A"), *middle), "room visited"),
+        (glyphs.path(glyphs.boxes(cell), fill=glyphs.WALL_INK), "wall"),
+        (frame + glyphs.crates(cell), "obstacle that the robot can clear"),
+    )
+    start = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {CELL} {CELL}" width="36" height="36" '
+        f'role="presentation" aria-hidden="true"><rect width="{CELL}" height="{CELL}" fill="{glyphs.PAPER}"/>'
+    )
+    return tuple((f"{start}{sign}</svg>", meaning) for sign, meaning in signs)

@@ -111,8 +111,8 @@ class Rating(_Table):
 
     name: Name
     text: Text
-    low: Text = ""
-    high: Text = ""
+    low: Annotated[str, Field(max_length=200)] = ""
+    high: Annotated[str, Field(max_length=200)] = ""
 
 
 class Texts(_Table):
@@ -151,11 +151,15 @@ class Study(_Table):
         Minutes without a sign of life after which a session gives its place back.
     practice
         Map to practise on.
+    question, check
+        Comprehension questions; attention checks, which stand among the ratings.
+    sentences, facts
+        Templates by action schema and by predicate, see `explicable.study.sentences`.
     """
 
     title: Text
     language: Literal["en", "de"] = "en"
-    contact: Text = ""
+    contact: Annotated[str, Field(max_length=500)] = ""
     seed: Annotated[int, Field(ge=0)] = 0
     tasks_each: Annotated[int, Field(ge=1, le=100)] = 4
     max_attempts: Annotated[int, Field(ge=1, le=20)] = 3
@@ -166,6 +170,7 @@ class Study(_Table):
     recruitment: Recruitment = Recruitment()
     condition: Annotated[list[Condition], Field(max_length=100)] = []
     question: Annotated[list[Question], Field(max_length=50)] = []
+    check: Annotated[list[Question], Field(max_length=20)] = []
     rating: Annotated[list[Rating], Field(max_length=50)] = []
     sentences: dict[str, Text] = {}
     facts: dict[str, Text] = {}

@@ -169,7 +169,7 @@ class Game:
             raise ConflictError("that can't be commanded now")
         return self._take(replace(moment, announced=None), action, None)
 
-    def _take(self, moment: Moment, action: "GroundAtom", label: bool | None) -> Moment:  # noqa: FBT001
+    def _take(self, moment: Moment, action: "GroundAtom", label: bool | None) -> Moment:
         agent = self.setting.problem.agent_of(action).name
         after = replace(moment, steps=(*moment.steps, LabelledStep(agent, action, label)))
         self.state(after)  # raises if the step is not possible
@@ -189,9 +189,7 @@ class Game:
 def play_by_commands(setting: "Setting", way: Way) -> Next:
     """Let the robot follow the last command by a shortest way, or lead where it plays autonomously."""
 
-    def choose(
-        state: "State", _: "tuple[GroundAtom, ...]", request: "Request | None"
-    ) -> "GroundAtom | None":
+    def choose(state: "State", _: "tuple[GroundAtom, ...]", request: "Request | None") -> "GroundAtom | None":
         return follow(setting.truth, state, request, way)
 
     return choose
@@ -200,9 +198,7 @@ def play_by_commands(setting: "Setting", way: Way) -> Next:
 def replay(plan: "tuple[GroundAtom, ...]") -> Next:
     """Show the steps of a plan, whoever takes them."""
 
-    def choose(
-        _: "State", actions: "tuple[GroundAtom, ...]", __: "Request | None"
-    ) -> "GroundAtom | None":
+    def choose(_: "State", actions: "tuple[GroundAtom, ...]", __: "Request | None") -> "GroundAtom | None":
         return plan[len(actions)] if len(actions) < len(plan) else None
 
     return choose

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from explicable.first_response.encoding import robot_name
 from explicable.first_response.rendering import room_letters
-from explicable.first_response.scene import render_scene
+from explicable.first_response.scene import render_scene, scene_key
 from explicable.first_response.world import World, cell_name
 from explicable.model.problem import GroundAtom
 
@@ -73,3 +73,8 @@ class MapPictures:
             "remove-obstacle": translate("{agent} clears the obstacle at {to} and moves there."),
             "visit-room": translate("{agent} visits {c}."),
         }
+
+
+def map_key(translate: Translate) -> list[tuple[str, str]]:
+    """Return the signs of maps with their meanings."""
+    return [(sign, translate(meaning)) for sign, meaning in scene_key()]

@@ -1,7 +1,7 @@
 """The course of a session, as a table: no input, no output, no clock.
 
-An event that a stage does not know raises, *and nothing has happened*; so a page that was open in two tabs, or
-was sent twice, can do no harm.
+An event that a stage does not know raises, *and nothing has happened*; so a page that was open in two tabs,
+or was sent twice, can do no harm.
 """
 
 from enum import StrEnum

@@ -1,7 +1,7 @@
 """The tables of a study. Every row says whether it comes from a person or a simulated participant.
 
-Times are seconds since 1970 (UTC); ``client_time`` is the participant's own clock. What a recruitment platform
-told is apart, in ``recruits``; no network address is stored anywhere.
+Times are seconds since 1970 (UTC); ``client_time`` is the participant's own clock. What a recruitment
+platform told is apart, in ``recruits``; no network address is stored anywhere.
 """
 
 from sqlalchemy import (

@@ -46,7 +46,9 @@ class Wording:
                 words = self._fields(parameters, parameters, "agent")
                 for used in _FIELD.findall(template):
                     if used not in words:
-                        raise InputError(f"{kind}.{name}: there is no {{{used}}}; known are {', '.join(words)}")
+                        raise InputError(
+                            f"{kind}.{name}: there is no {{{used}}}; known are {', '.join(words)}"
+                        )
 
     def sentence(self, action: GroundAtom, agent: str) -> str:
         """Say a step.
@@ -84,7 +86,9 @@ class Wording:
 
     def _fields(self, parameters: Iterable[str], arguments: Iterable[str], agent: str) -> dict[str, str]:
         named = [self._name(argument) for argument in arguments]
-        by_name = {parameter.removeprefix("?"): name for parameter, name in zip(parameters, named, strict=False)}
+        by_name = {
+            parameter.removeprefix("?"): name for parameter, name in zip(parameters, named, strict=False)
+        }
         by_number = {str(number): name for number, name in enumerate(named, start=1)}
         return {**by_number, **by_name, "agent": self._name(agent)}
 
@@ -97,7 +101,9 @@ class Wording:
         return self.names.get(name, name)
 
 
-def changed(before: frozenset[GroundAtom], after: frozenset[GroundAtom]) -> tuple[list[GroundAtom], list[GroundAtom]]:
+def changed(
+    before: frozenset[GroundAtom], after: frozenset[GroundAtom]
+) -> tuple[list[GroundAtom], list[GroundAtom]]:
     """List the facts that have become true, and those that have become false.
 
     Examples

@@ -1,0 +1,151 @@
+"""What a study is made of, read and prepared: problems, plans, pictures, words."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+from explicable.errors import InputError, PlanError
+from explicable.execution import Setting, prepare
+from explicable.first_response import World, encode, read_map
+from explicable.model.plan import format_action, read_plan
+from explicable.model.problem import GroundAtom
+from explicable.model.team import TeamProblem
+from explicable.pddl import read_team_problem
+from explicable.study.config import Condition, Study, Task, read_study, resolve, study_hash
+from explicable.study.game import Game, play_by_commands, replay
+from explicable.study.pictures import MapPictures
+from explicable.study.sentences import Wording
+from explicable.study.words import Language, language
+
+PRACTICE = "practice"
+"""Name of the practice task in the data."""
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """One task under one condition, ready to be put before people."""
+
+    task: Task
+    condition: Condition
+    problem: TeamProblem
+    game: Game
+    wording: Wording
+    pictures: MapPictures | None
+
+
+@dataclass(frozen=True)
+class Materials:
+    """A study with all that it names; tasks are prepared when they are first needed, and kept.
+
+    Parameters
+    ----------
+    folder
+        The study's folder.
+    study
+        Its file, read.
+    hash
+        SHA-256 of everything that it is made of.
+    """
+
+    folder: Path
+    study: Study
+    hash: str
+    _prepared: dict[tuple[str, str], Material] = field(default_factory=dict, repr=False, compare=False)
+    _settings: dict[tuple[str, ...], Setting] = field(default_factory=dict, repr=False, compare=False)
+
+    @cached_property
+    def tasks(self) -> Mapping[str, Task]:
+        """All tasks by name, the practice map included."""
+        practice = Task(name=PRACTICE, map=self.study.practice)
+        return {**{task.name: task for task in self.study.task}, PRACTICE: practice}
+
+    @cached_property
+    def conditions(self) -> Mapping[str, Condition]:
+        """The conditions by name."""
+        return {condition.name: condition for condition in self.study.conditions}
+
+    @cached_property
+    def language(self) -> Language:
+        """What participants read."""
+        return language(self.study.language)
+
+    def material(self, task: str, condition: str) -> Material:
+        """Return a task, prepared for a condition."""
+        if (task, condition) not in self._prepared:
+            self._prepared[task, condition] = self._prepare(self.tasks[task], self.conditions[condition])
+        return self._prepared[task, condition]
+
+    def check(self) -> None:
+        """Prepare every task, so that what is wrong with any is said before people come."""
+        for condition in self.conditions:
+            for task in self.tasks:
+                self.material(task, condition)
+
+    def text(self, name: str) -> str | None:
+        """Return one of the study's own texts (Markdown), if it has it."""
+        file = getattr(self.study.texts, name)
+        return None if file is None else resolve(self.folder, file).read_text(encoding="utf-8-sig")
+
+    def _prepare(self, task: Task, condition: Condition) -> Material:
+        world = read_map(resolve(self.folder, task.map)) if task.map else None
+        setting = self._setting(task, world, condition)
+        domain = setting.problem.composite.domain
+        plan = self._plan(task, setting) if task.plan else None
+        if plan is None:
+            game = Game(setting, condition.ask, play_by_commands(setting, condition.mode))
+        else:
+            game = Game(setting, condition.ask, replay(plan), len(plan))
+        wording = Wording(domain, self.study.sentences, self.study.facts)
+        pictures = MapPictures(world) if world else None
+        if pictures is not None:
+            translate = self.language.text
+            wording = replace(
+                wording,
+                sentences={**pictures.sentences(translate), **wording.sentences},
+                names=pictures.names(translate),
+            )
+        wording.check()
+        return Material(task, condition, setting.problem, game, wording, pictures)
+
+    def _setting(self, task: Task, world: World | None, condition: Condition) -> Setting:
+        semantics = condition.semantics if world else ""
+        names = (task.map, task.domain, task.problem, task.human_domain, task.human_problem)
+        key = (semantics, *(name or "" for name in names))
+        if key not in self._settings:
+            if world:
+                problem = encode(world, condition.semantics)
+            else:
+                files = [resolve(self.folder, name) if name else None for name in names[1:]]
+                problem = read_team_problem(*files)  # type: ignore[arg-type]  # the first two are there
+            self._settings[key] = prepare(problem)
+        return self._settings[key]
+
+    def _plan(self, task: Task, setting: Setting) -> tuple[GroundAtom, ...]:
+        path = resolve(self.folder, task.plan or "")
+        plan, state = read_plan(path), setting.truth.task.initial_state
+        if not plan:
+            raise PlanError("a plan without steps can't be shown", path=path)
+        for number, action in enumerate(plan, start=1):
+            operator = setting.truth.operator(state, action)
+            if operator is None:
+                message = f"step {number}, {format_action(action)}, can't be executed there"
+                raise PlanError(f"{message} (task {task.name!r})", path=path)
+            state = setting.truth.task.successor(state, operator)
+        return plan
+
+
+def read_materials(folder: str | Path) -> Materials:
+    """Read a study with the files that it names; tasks are prepared later, see `Materials.check`.
+
+    Raises
+    ------
+    InputError
+        If something is missing or wrong.
+    """
+    folder = Path(folder)
+    study = read_study(folder)
+    try:
+        return Materials(folder, study, study_hash(folder, study))
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", path=error.filename) from error

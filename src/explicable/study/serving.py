@@ -1,0 +1,107 @@
+"""Run a study's server: one process, or several that share a port."""
+
+import functools
+import socket
+from dataclasses import dataclass
+from pathlib import Path
+
+from explicable.errors import InputError, UsageError
+from explicable.study.app import create_app
+from explicable.study.folder import open_database
+from explicable.study.materials import read_materials
+from explicable.study.recruitment import link_template
+from explicable.study.store import sqlite_url
+
+GRACE_S = 2
+"""Seconds that requests under way get when the server is stopped."""
+
+
+@dataclass(frozen=True, slots=True)
+class Announcement:
+    """What the researcher is told when the server starts."""
+
+    link: str
+    recruitment_link: str
+    new_password: str | None
+
+
+class Server:
+    """A study's server, bound to its port but not yet running.
+
+    Parameters
+    ----------
+    folder
+        The study's folder.
+    host, port
+        Where to listen; port 0 takes any that is free.
+    database
+        As SQLAlchemy writes it; by default the file in the study's folder.
+    workers
+        Number of processes.
+    renews_password
+        Whether to make a new password for the researcher.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 8000,
+        database: str | None = None,
+        workers: int = 1,
+        renews_password: bool = False,
+        trusts_floods: bool = False,
+    ) -> None:
+        materials = read_materials(folder)
+        materials.check()
+        url = database or sqlite_url(folder.resolve())
+        opened = open_database(url, materials.hash, renews_password=renews_password)
+        self._socket = _bind(host, port)
+        shown = f"[{host}]" if ":" in host else host
+        link = f"http://{shown}:{self._socket.getsockname()[1]}/"
+        platform = materials.study.recruitment.platform
+        self.announcement = Announcement(link, link_template(platform, link), opened.new_password)
+        self._workers = workers
+        self._app = functools.partial(create_app, folder.resolve(), url, trusts_floods=trusts_floods)
+
+    def run(self) -> None:
+        """Serve until interrupted."""
+        import uvicorn
+        from uvicorn.supervisors import Multiprocess
+
+        config = uvicorn.Config(
+            self._app,
+            factory=True,
+            workers=self._workers,
+            log_level="warning",
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=GRACE_S,
+        )
+        server = uvicorn.Server(config)
+        try:
+            if self._workers > 1:
+                Multiprocess(config, sockets=[self._socket]).run()
+            else:
+                server.run(sockets=[self._socket])
+        except KeyboardInterrupt:
+            pass  # that is how it is stopped
+        finally:
+            self._socket.close()
+
+
+def _bind(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    bound = socket.socket(family)
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        bound.bind((host, port))
+    except socket.gaierror as error:
+        bound.close()
+        raise UsageError(f"there is no host {host!r}: {error.strerror}") from error
+    except OSError as error:
+        bound.close()
+        raise InputError(f"{host}:{port} can't be listened on: {error.strerror}") from error
+    bound.set_inheritable(True)
+    return bound

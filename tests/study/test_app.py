@@ -1,0 +1,198 @@
+import re
+
+import pytest
+from studies import TASKS, Visitor, open_study, write_study
+
+from explicable.study import schema as tables
+
+
+@pytest.fixture
+def client(tmp_path):
+    client, _, _ = open_study(write_study(tmp_path))
+    with client:
+        yield client
+
+
+def rows(folder, table):
+    from explicable.study.store import Store, sqlite_url
+
+    store = Store(sqlite_url(folder))
+    try:
+        return store.read(lambda tx: [dict(row._mapping) for row in tx.all(table)])
+    finally:
+        store.close()
+
+
+@pytest.mark.parametrize(
+    "play",
+    [
+        'semantics = "exclusive"',
+        'semantics = "persistent"\nmode = "autonomous"',
+        'semantics = "exclusive"\nmode = "autonomous"\nask = "before"',
+        'semantics = "persistent"\nask = "before"',
+    ],
+)
+def test_a_session_from_consent_to_debrief(tmp_path, play):
+    client, _, _ = open_study(write_study(tmp_path, play=play))
+    with client:
+        visitor = Visitor(client).reach_tasks()
+        assert visitor.heading == "Task 1 of 2"
+        views = visitor.play()
+        assert {"question", "moving"} <= {view["phase"] for view in views}
+        assert visitor.heading == "Task 2 of 2"
+        visitor.play()
+        assert visitor.heading == "Your opinion"
+        visitor.submit(**{"rating-robot": "7", "comment": "<script>alert(1)</script>"})
+        assert "completion code" in visitor.page.text
+    steps, labels = rows(tmp_path, tables.STEPS), rows(tmp_path, tables.LABELS)
+    robot_steps = [(s["assignment"], s["number"]) for s in steps if s["agent"] == "r1"]
+    assert sorted(robot_steps) == sorted((label["assignment"], label["number"]) for label in labels)
+    assert {row["origin"] for row in steps + labels} == {"person"}
+    answers = {(row["stage"], row["name"]): row["value"] for row in rows(tmp_path, tables.ANSWERS)}
+    assert answers["ratings", "robot"] == "7"
+    assert answers["ratings", "comment"] == "<script>alert(1)</script>"
+
+
+def test_nothing_that_is_hidden_reaches_the_page(client):
+    visitor = Visitor(client).reach_tasks()
+    views = visitor.play()
+    page = visitor.page.text
+    for secret in ("one.map", "two.map", '"x"', "hidden"):
+        assert secret not in str(views) + re.sub(r'type="hidden"| hidden', "", page)
+    assert all(view["task"] is None and view["operator"] is None for view in views)
+
+
+def test_a_request_that_is_sent_again_is_carried_out_once(client):
+    visitor = Visitor(client).reach_tasks()
+    view = visitor.move(visitor.view()).json()
+    first = visitor.send("step", request_id="a" * 32, number=view["number"])
+    again = visitor.send("step", request_id="a" * 32, number=view["number"])
+    assert first.json() == again.json()
+    assert first.json()["number"] == view["number"] + 1
+
+
+def test_of_two_tabs_the_later_is_told_how_things_stand(client):
+    visitor = Visitor(client).reach_tasks()
+    view = visitor.move(visitor.view()).json()
+    here = visitor.send("step", number=view["number"])
+    there = visitor.send("step", number=view["number"])
+    assert there.status_code == 409
+    assert there.json()["view"] == here.json()
+
+
+def test_a_server_that_starts_again_goes_on_where_everybody_was(tmp_path):
+    folder = write_study(tmp_path)
+    client, url, opened = open_study(folder)
+    assert opened.new_password
+    with client:
+        visitor = Visitor(client).reach_tasks()
+        view = visitor.move(visitor.view()).json()
+        before, cookies = visitor.view(), dict(client.cookies)
+    client, _, opened = open_study(folder, url=url)
+    assert opened.new_password is None
+    with client:
+        visitor = Visitor(client)
+        client.cookies.update(cookies)
+        visitor.look()
+        assert visitor.view() == before
+        assert visitor.send("step", number=view["number"]).status_code == 200
+
+
+def test_wrong_answers_lead_back_to_the_instructions_and_then_out(tmp_path):
+    client, _, _ = open_study(write_study(tmp_path, extra="max_attempts = 2"))
+    with client:
+        visitor = Visitor(client)
+        visitor.arrive()
+        visitor.consent()
+        visitor.submit()
+        visitor.play()
+        assert "Please answer every question" in visitor.submit().text
+        assert "read the instructions again" in visitor.submit(**{"question-1": "now"}).text
+        visitor.submit()
+        assert visitor.heading == "A few questions"
+        assert "ended for you" in visitor.submit(**{"question-1": "now"}).text
+    freed = [row for row in rows(tmp_path, tables.ASSIGNMENTS) if row["status"] == "freed"]
+    assert len(freed) == 2
+
+
+def test_who_declines_leaves_no_trace(client, tmp_path):
+    visitor = Visitor(client)
+    visitor.arrive()
+    assert "Nothing has been stored" in visitor.consent("no").text
+    assert rows(tmp_path, tables.PARTICIPANTS) == rows(tmp_path, tables.EVENTS) == []
+
+
+def test_places_run_out_and_come_back_when_somebody_leaves(tmp_path):
+    client, _, _ = open_study(write_study(tmp_path, tasks=TASKS.replace("people = 2", "people = 1")))
+    with client:
+        first = Visitor(client).reach_tasks()
+        cookies = dict(client.cookies)
+        second = Visitor(client)
+        second.arrive()
+        assert second.consent().status_code == 409
+        client.cookies.update(cookies)
+        first.look()
+        assert "ended for you" in first.submit(decision="leave").text
+        assert Visitor(client).reach_tasks().heading == "Task 1 of 2"
+
+
+def test_who_was_silent_for_too_long_gives_the_place_back(tmp_path, monkeypatch):
+    tasks = TASKS.replace("people = 2", "people = 1")
+    client, _, _ = open_study(write_study(tmp_path, extra="time_limit_min = 30", tasks=tasks))
+    with client:
+        Visitor(client).reach_tasks()
+        import time
+
+        now = time.time()
+        monkeypatch.setattr(time, "time", lambda: now + 1860)
+        assert Visitor(client).reach_tasks().heading == "Task 1 of 2"
+    assert sorted(row["stage"] for row in rows(tmp_path, tables.SESSIONS)) == ["returned", "tasks"]
+
+
+def test_recruits_are_recognised_and_nothing_is_invented(tmp_path):
+    folder = write_study(tmp_path, tasks=TASKS.replace("people = 2", "people = 9"))
+    text = (folder / "study.toml").read_text()
+    (folder / "study.toml").write_text(
+        text + '[recruitment]\nplatform = "prolific"\nreturn_url = "https://pay.example/?cc={code}"\n'
+    )
+    link = "?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=v1"
+    client, _, _ = open_study(folder)
+    with client:
+        Visitor(client).reach_tasks(link)
+        again = Visitor(client)  # another browser, the same visit: goes on
+        again.arrive(link)
+        assert "Task 1 of 2" in again.consent().text
+        other = Visitor(client)  # another visit of the same person
+        other.arrive(link.replace("v1", "v2"))
+        assert other.consent().status_code == 409
+        bare = Visitor(client)
+        bare.arrive("?PROLIFIC_PID=%7B%7B%25PROLIFIC_PID%25%7D%7D")
+        assert bare.consent().status_code == 200
+        client.cookies.clear()
+        again.arrive(link)
+        again.consent()
+        again.play()
+        again.play()
+        again.submit(**{"rating-robot": "7"})
+        code = re.search(r'class="code">(\w+)<', again.page.text)[1]
+        assert f'href="https://pay.example/?cc={code}"' in again.page.text
+    assert {row["name"]: row["value"] for row in rows(folder, tables.RECRUITS)} == {
+        "PROLIFIC_PID": "p1",
+        "STUDY_ID": "s1",
+        "SESSION_ID": "v1",
+    }
+    assert len(rows(folder, tables.SESSIONS)) == 2
+
+
+def test_the_migrated_database_is_the_one_the_schema_describes(tmp_path):
+    from alembic.autogenerate import compare_metadata
+    from alembic.migration import MigrationContext
+
+    from explicable.study.store import migrate, open_engine
+
+    url = f"sqlite:///{tmp_path / 'study.db'}"
+    migrate(url)
+    engine = open_engine(url)
+    with engine.connect() as connection:
+        assert compare_metadata(MigrationContext.configure(connection), tables.METADATA) == []
+    engine.dispose()
