@@ -13,9 +13,9 @@ from explicable.labelling.traces import LabelledStep
 from explicable.study.protocol import ConflictError
 
 if TYPE_CHECKING:
-    from explicable.execution.outlook import Request
     from explicable.execution.setting import Setting
     from explicable.model.problem import GroundAtom
+    from explicable.model.requests import Request
     from explicable.model.task import State
 
 Ask = Literal["after", "before"]
