@@ -62,7 +62,7 @@ bool LazySearch::visit(NodeId node, Monitor& monitor) {
     const Key key = evaluator_.key(static_cast<double>(nodes_.cost(node)), h);
     push(promising_, key, node, marked_);
     push(all_, key, node, applicable_);
-    if (lookahead_) next_ = lookahead_->follow(evaluator_.relaxed_plan(), nodes_, node, state_);
+    if (lookahead_) next_ = lookahead_->follow(evaluator_.relaxed_plan(), nodes_, node, state_, monitor);
     return false;
 }
 

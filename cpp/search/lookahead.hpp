@@ -16,23 +16,32 @@ public:
         : question_(question),
           wanted_(question.task.num_facts(), 0),
           provided_(question.task.num_facts(), 0),
-          provider_(question.task.num_facts()) {}
+          place_(question.task.num_facts()) {}
 
     // Executes operators of `relaxed_plan` in its order, again and again, while any is applicable. Where none is, an operator
-    // that is applicable replaces the first one that was to achieve the same wanted fact. Each step becomes a node like any
-    // other. Returns the last one; `state`, of which `node` is the node, becomes its state.
-    NodeId follow(std::span<const OperatorId> relaxed_plan, NodeStore& nodes, NodeId node, State& state);
+    // that is applicable replaces the first one that was to achieve the same wanted facts, or else brings back a fact that the
+    // way so far has deleted and the next step needs. Each step becomes a node like any other. Returns the last one; `state`,
+    // of which `node` is the node, becomes its state.
+    NodeId follow(std::span<const OperatorId> relaxed_plan, NodeStore& nodes, NodeId node, State& state, Monitor& monitor);
 
 private:
     const Question& question_;
     std::vector<OperatorId> remaining_, applicable_;
+    std::vector<char> had_;                         // facts that were true somewhere on the way
     std::vector<std::uint32_t> wanted_, provided_;  // round of the mark
-    std::vector<std::int32_t> provider_;            // of a fact: a place in remaining_
+    std::vector<std::int32_t> place_;               // in remaining_, of the first operator that achieves or lacks a fact
     std::uint32_t round_ = 0;
 
     bool is_applicable(OperatorId step, const State& state) const;
-    OperatorId repair(const State& state);
-    void mark_wanted(const State& state);
+    bool execute_remaining(NodeStore& nodes, NodeId& node, State& state);
+    void go(OperatorId step, NodeStore& nodes, NodeId& node, State& state);
+    OperatorId replace(const State& state);
+    OperatorId bridge(const State& state);
+    FactId only_missing(OperatorId step, const State& state) const;
+    bool serves(OperatorId step, std::int32_t place) const;
+    bool spoils(OperatorId step, OperatorId other) const;
+    void mark_provided(const State& state);
+    void begin_round();
 };
 
 }  // namespace explicable

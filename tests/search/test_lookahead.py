@@ -7,9 +7,20 @@ from tiny_strategies import tiny_tasks
 
 from explicable import _core
 from explicable.model.grounding import ground
+from explicable.pddl import parse_domain, parse_problem
 from explicable.search import search
 from oracles.tiny_tasks import TinyEffect, TinyOperator, TinyTask
 
+FERRY = """
+(define (domain ferry) (:requirements :typing) (:types bank car)
+  (:predicates (at ?c - car ?b - bank) (ferry-at ?b - bank) (aboard ?c - car) (empty))
+  (:action sail :parameters (?from ?to - bank) :precondition (ferry-at ?from)
+    :effect (and (ferry-at ?to) (not (ferry-at ?from))))
+  (:action board :parameters (?c - car ?b - bank) :precondition (and (at ?c ?b) (ferry-at ?b) (empty))
+    :effect (and (aboard ?c) (not (at ?c ?b)) (not (empty))))
+  (:action debark :parameters (?c - car ?b - bank) :precondition (and (aboard ?c) (ferry-at ?b))
+    :effect (and (at ?c ?b) (empty) (not (aboard ?c)))))
+"""
 CLOSINGS = st.sampled_from(["state", "context"])
 
 
@@ -68,6 +79,18 @@ def test_labelled_contexts_follow_the_steps_of_a_lookahead(tiny, data, closing):
     result = search(task, scorer=replaying, **options)
     assert result.operators == search(task, scorer=compiled, **options).operators
     assert result.outcome is search(task).outcome
+
+
+def test_a_lookahead_goes_back_for_what_it_has_lost():
+    cars = [f"car{number}" for number in range(30)]
+    problem = f"""(define (problem crossing) (:domain ferry)
+        (:objects left right - bank {" ".join(cars)} - car)
+        (:init (ferry-at left) (empty) {" ".join(f"(at {car} left)" for car in cars)})
+        (:goal (and {" ".join(f"(at {car} right)" for car in cars)})))"""
+    task = ground(parse_problem(problem, parse_domain(FERRY)))
+    result = search(task, "lazy", lookahead=True)
+    assert result.evaluations == 1  # the relaxed plan sails once
+    assert result.cost == 4 * len(cars) - 1
 
 
 @st.composite
