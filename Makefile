@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test test-slow sanitize check bench pictures clean
+.PHONY: demo test test-slow sanitize check bench evaluate pictures clean
 
 $(STAMP): pyproject.toml constraints.txt CMakeLists.txt $(shell find cpp -type f)
 	PYTHON=$(PYTHON) sh tools/setup.sh $(VENV)
@@ -51,6 +51,10 @@ $(PEERS)/.installed: benchmarks/peers.txt
 
 bench: $(STAMP) $(PEERS)/.installed
 	$(BIN)/python benchmarks/run.py --runs $(RUNS) $(if $(TASKS),--tasks $(TASKS))
+
+# Interrupted, it goes on where it was; JOBS processes, QUICK=1 for small numbers.
+evaluate: $(STAMP)
+	$(BIN)/explicable evaluate --jobs $(or $(JOBS),2) $(if $(QUICK),--quick)
 
 pictures: $(STAMP)
 	$(BIN)/python tools/pictures.py

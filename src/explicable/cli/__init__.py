@@ -4,6 +4,7 @@
 exit  meaning
 ===== =========================================================================
 0     solved, or done
+1     some trials of an evaluation failed; its report lists them
 2     wrong usage: unknown option, missing argument, impossible value
 3     bad input: a file that is damaged, ill-typed or does not fit
 4     the problem is proved unsolvable
@@ -19,6 +20,7 @@ import click
 
 from explicable.errors import ExplicableError, ResourceError, UsageError
 
+EXIT_TRIALS_FAILED = 1
 EXIT_USAGE = 2
 EXIT_BAD_INPUT = 3
 EXIT_UNSOLVABLE = 4
@@ -39,6 +41,7 @@ COMMANDS = {
     "rank": "explicable.cli.measures",
     "front": "explicable.cli.front",
     "traces": "explicable.cli.labels",
+    "evaluate": "explicable.cli.evaluate",
     "first-response": "explicable.cli.first_response",
     "study": "explicable.cli.study",
 }

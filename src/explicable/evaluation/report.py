@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 from explicable.errors import UsageError
 from explicable.model.files import write_whole
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 PAPER_RATIOS: Mapping[str, float] = {"ff": 0.672, "explicable": 0.820, "participants": 0.811}
 """Table 1 of the paper: explicability ratio over all test problems, by plan type."""
@@ -113,27 +116,23 @@ def render_report(report: Report) -> str:
     >>> page.splitlines()[0], "A &lt; B" in page
     ('<!doctype html>', True)
     """
-    from jinja2 import Environment, StrictUndefined
-    from markupsafe import Markup
-
     pictures = [panel.svg for scenario in report.scenarios for panel in scenario.panels]
     for svg in [*pictures, *(sign for sign, _ in report.key)]:
-        _check_picture(svg)
+        check_picture(svg)
     first = report.scenarios[0].panels if report.scenarios else ()
     kinds = [panel.kind for panel in first]
     for scenario in report.scenarios:
         if [panel.kind for panel in scenario.panels] != kinds:
             raise UsageError(f"the plans of {scenario.name!r} are not of the kinds {', '.join(kinds)}")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters.update(score=_score, drawing=Markup)
-    source = resources.files("explicable.evaluation") / "report.html.jinja"
-    return environment.from_string(source.read_text("utf-8")).render(
-        report=report,
-        plan_titles=[panel.title for panel in first],
-        paper_ratios=PAPER_RATIOS,
-        paper_scenarios=PAPER_SCENARIOS,
+    return (
+        make_environment()
+        .get_template("report.html.jinja")
+        .render(
+            report=report,
+            plan_titles=[panel.title for panel in first],
+            paper_ratios=PAPER_RATIOS,
+            paper_scenarios=PAPER_SCENARIOS,
+        )
     )
 
 
@@ -142,11 +141,34 @@ def write_report(path: str | Path, report: Report) -> None:
     write_whole(path, render_report(report))
 
 
+def make_environment() -> "Environment":
+    """Make what the pages' templates are read and filled in with; the pages share one style sheet."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=PackageLoader("explicable.evaluation", ""),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(score=_score, drawing=Markup)
+    return environment
+
+
 def _score(value: float | None) -> str:
     return "–" if value is None else f"{value:.3f}"
 
 
-def _check_picture(svg: str) -> None:
+def check_picture(svg: str) -> None:
+    """Refuse what is not one well-formed SVG element.
+
+    Raises
+    ------
+    UsageError
+        Says what it is instead.
+    """
     try:
         root = ET.fromstring(svg)  # noqa: S314  (our own drawings, checked so that none can break the page)
     except ET.ParseError as error:

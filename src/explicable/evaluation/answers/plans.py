@@ -1,0 +1,283 @@
+"""Which plans are explicable, to the labeller and to participants, and what that costs."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from explicable.evaluation.answers.paper import paper_pictures, paper_tables
+from explicable.evaluation.answers.rows import Row, flatten, group, judged, labelled, means
+from explicable.evaluation.experiments import Experiment
+from explicable.evaluation.page import Picture, Section, Table, format_estimate
+from explicable.evaluation.plots import plot_curves, plot_intervals, to_svg
+from explicable.evaluation.records import Record
+from explicable.evaluation.statistics import (
+    Counts,
+    Estimate,
+    compare_with_gee,
+    estimate,
+    estimate_difference,
+    estimate_ratio,
+    power_curve,
+    standardised_difference,
+)
+
+TITLES = {
+    "ff": "FF",
+    "shortest": "shortest (A*)",
+    "paper": "explicable, as in the paper",
+    "greedy": "explicable, first plan",
+    "greedy-viterbi": "explicable, first plan, Viterbi F",
+    "greedy-context": "explicable, first plan, context-aware closing",
+    "explicable": "explicable",
+    "charged": "explicable, human steps charged",
+    "participants": "participants' own",
+}
+MIN_GAIN, MAX_EXTRA = 0.10, 0.05
+"""What the paper's effect comes to: so much more F than FF's plan, at so much more cost than the shortest."""
+
+_Cells = dict[str, dict[str, list[Row]]]  # rows by cell and plan
+
+POWER_SIZES = (4, 8, 16, 32, 64, 128)
+
+
+def answer(experiment: Experiment, records: Sequence[Record]) -> Section:
+    """Compare plans within each cell."""
+    rows = [row for row in flatten(experiment, records) if "num_steps" in row]
+    cells = {cell: group(found, "plan") for cell, found in group(rows, "cell").items()}
+    is_paper = any("steps" in row for row in rows)
+    effects = _effects(cells)
+    tables = [*(paper_tables(rows) if is_paper else ()), _effect_table(effects)] if effects else []
+    return Section(
+        experiment.name,
+        experiment.question,
+        tuple(_answers(effects)) if effects else _best(cells),
+        (*tables, _scores(cells), _differences(cells)),
+        (*_pictures(cells), *(paper_pictures(rows) if is_paper else ())),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Effect:
+    """What the paper's effect comes to for one plan in one cell."""
+
+    cell: str
+    name: str
+    over_ff: tuple[Estimate, Estimate]  # in F, by the labeller and by judges
+    over_own: tuple[Estimate, Estimate]
+    extra: Estimate
+
+
+def _effects(cells: _Cells) -> list[_Effect]:
+    """Hold each explicable planner against FF, the participants and the shortest plan."""
+    return [
+        _Effect(cell, name, over_ff, over_own, _extra_cost(plans[name], plans["shortest"]))
+        for cell, plans in cells.items()
+        if plans.keys() >= {"ff", "participants", "shortest"}
+        for name in plans
+        if name not in {"ff", "participants", "shortest"}
+        for over_ff, over_own in [
+            (_gains(plans[name], plans["ff"]), _gains(plans[name], plans["participants"]))
+        ]
+    ]
+
+
+def _gains(rows: Sequence[Row], others: Sequence[Row]) -> tuple[Estimate, Estimate]:
+    by_labeller = estimate_difference(labelled(rows, "f_paper"), labelled(others, "f_paper"))
+    return by_labeller, estimate_difference(judged(rows), judged(others))
+
+
+def _answers(effects: Sequence[_Effect]) -> Iterator[str]:
+    """Say of each planner and each part of the paper's effect where it is reached."""
+    parts: list[tuple[str, Callable[[_Effect], float], float]] = [
+        ("F at least 0.10 above FF's plan, to the labeller", lambda e: e.over_ff[0].value, MIN_GAIN),
+        ("the same to participants who judge", lambda e: e.over_ff[1].value, MIN_GAIN),
+        ("F at least that of participants' own plans, to the labeller", lambda e: e.over_own[0].value, 0.0),
+        ("the same to participants who judge", lambda e: e.over_own[1].value, 0.0),
+        ("at most 5 % longer than the shortest plan", lambda e: -e.extra.value, -MAX_EXTRA),
+    ]
+    for name in dict.fromkeys(effect.name for effect in effects):
+        mine = [effect for effect in effects if effect.name == name]
+        found = [
+            f"{text}: {_where([effect.cell for effect in mine if value(effect) >= least], len(mine))}"
+            for text, value, least in parts
+        ]
+        yield f"Plan “{TITLES[name]}”, {'; '.join(found)}."
+
+
+def _where(reached: Sequence[str], num: int) -> str:
+    if not reached:
+        return f"missed in all {num} cells"
+    return f"reached in {len(reached)} of {num} cells" + (
+        "" if len(reached) == num else f" ({'; '.join(reached)})"
+    )
+
+
+def _best(cells: _Cells) -> tuple[str, ...]:
+    """Say which plan participants find most explicable, cell by cell."""
+    sentences = []
+    for cell, plans in cells.items():
+        seen = {name: estimate(judged(rows)) for name, rows in plans.items()}
+        best = max(seen, key=lambda name: seen[name].value)
+        sentences.append(
+            f"{cell}: participants who judge find “{TITLES[best]}” most explicable,"
+            f" with F {format_estimate(seen[best])}."
+        )
+    return tuple(sentences)
+
+
+def _effect_table(effects: Sequence[_Effect]) -> Table:
+    lines = [
+        (
+            f"{effect.cell}: {TITLES[effect.name]}",
+            *(format_estimate(found) for found in (*effect.over_ff, *effect.over_own)),
+            format_estimate(_percent(effect.extra), 1, " %"),
+        )
+        for effect in effects
+    ]
+    columns = (
+        "plan",
+        "F − FF's, labeller",
+        "F − FF's, judged",
+        "F − participants', labeller",
+        "F − participants', judged",
+        "longer than shortest",
+    )
+    note = (
+        "Targets: at least 0.10 above FF, at least the participants' F, at most 5 % longer than the shortest."
+    )
+    return Table("effect", "The paper's effect", columns, tuple(lines), note)
+
+
+def _scores(cells: _Cells) -> Table:
+    lines = []
+    for cell, plans in cells.items():
+        for name, rows in plans.items():
+            extra = _extra_cost(rows, plans["shortest"]) if "shortest" in plans else None
+            lines.append(
+                (
+                    f"{cell}: {TITLES[name]}",
+                    format_estimate(estimate(labelled(rows, "f_paper"))),
+                    format_estimate(estimate(labelled(rows, "f_expected"))),
+                    format_estimate(estimate(judged(rows))),
+                    format_estimate(estimate(judged(rows, all_steps=False))),
+                    format_estimate(means(rows, lambda row: row.get("f_human"))),
+                    format_estimate(_percent(extra), 1, " %") if extra else "–",
+                )
+            )
+    columns = (
+        "plan",
+        "F, labeller",
+        "E[F]",
+        "F, judged",
+        "F_robot, judged",
+        "F_human",
+        "longer than shortest",
+    )
+    note = (
+        "Pooled, with 95 % intervals (bootstrap clustered by problem and participants). F, labeller:"
+        " of the most probable labels; human steps count as explicable, as in the paper. Judged: by simulated"
+        " participants who had no part in training. n: plans, or plans times judges."
+    )
+    return Table("scores", "Explicability and length", columns, tuple(lines), note)
+
+
+def _differences(cells: _Cells) -> Table:
+    """Compare every plan with FF's: differences, effect sizes, a GEE with Holm's correction in a cell."""
+    lines = []
+    for cell, plans in cells.items():
+        reference = "ff" if "ff" in plans else next(iter(plans))
+        robots = {name: judged(rows, all_steps=False) for name, rows in plans.items()}
+        several = len({row["map"] for rows in plans.values() for row in rows}) > 1
+        effects = {e.name: e for e in compare_with_gee(robots, reference)} if several else {}
+        for name, rows in plans.items():
+            if name == reference:
+                continue
+            pairs = _paired(rows, plans[reference])
+            effect = effects.get(name)
+            odds = (
+                f"{effect.odds_ratio:.2f} [{effect.low:.2f}, {effect.high:.2f}] (n = {effect.num})"
+                if effect
+                else "–"
+            )
+            lines.append(
+                (
+                    f"{cell}: {TITLES[name]} − {TITLES[reference]}",
+                    format_estimate(
+                        estimate_difference(labelled(rows, "f_paper"), labelled(plans[reference], "f_paper"))
+                    ),
+                    format_estimate(estimate_difference(judged(rows), judged(plans[reference]))),
+                    f"{standardised_difference(*pairs):.2f} (n = {len(pairs[0])})",
+                    odds,
+                    f"{effect.p_value:.2g} (n = {effect.num})" if effect else "–",
+                )
+            )
+    note = (
+        "Cohen's d: of the judged F of the two plans for the same map. Odds ratio: of a judged robot step"
+        " to be explicable, from a logistic GEE with exchangeable answers within problems; p: after Holm's"
+        " correction for the comparisons of a row's cell."
+    )
+    columns = ("difference", "F, labeller", "F, judged", "Cohen's d", "odds ratio", "p (Holm)")
+    return Table("differences", "Differences", columns, tuple(lines), note)
+
+
+def _paired(rows: Sequence[Row], others: Sequence[Row]) -> tuple[list[float], list[float]]:
+    theirs = {(row["repeat"], row["map"]): _judged_share(row) for row in others}
+    shared = [row for row in rows if (row["repeat"], row["map"]) in theirs]
+    return [_judged_share(row) for row in shared], [theirs[row["repeat"], row["map"]] for row in shared]
+
+
+def _judged_share(row: Row) -> float:
+    counts = judged([row])
+    return sum(counts.part) / sum(counts.whole)
+
+
+def _extra_cost(rows: Sequence[Row], shortest: Sequence[Row]) -> Estimate:
+    ratio = estimate_ratio(_costs(rows), _costs(shortest))
+    return Estimate(ratio.value - 1, ratio.low - 1, ratio.high - 1, ratio.num, ratio.num_clusters)
+
+
+def _costs(rows: Sequence[Row]) -> Counts:
+    return Counts(
+        [row["cost"] for row in rows],
+        [1.0] * len(rows),
+        [row["map"] for row in rows],
+        [row["repeat"] for row in rows],
+    )
+
+
+def _percent(found: Estimate) -> Estimate:
+    return Estimate(100 * found.value, 100 * found.low, 100 * found.high, found.num, found.num_clusters)
+
+
+def _pictures(cells: _Cells) -> list[Picture]:
+    groups = {
+        cell: {TITLES[name]: estimate(judged(rows, all_steps=False)) for name, rows in plans.items()}
+        for cell, plans in cells.items()
+    }
+    height = 1.2 + 0.8 * len(groups)
+    pictures = [
+        Picture(
+            "judged",
+            "Share of robot steps that participants call explicable",
+            to_svg(
+                lambda axes: plot_intervals(groups, axes, label="F_robot, judged"), width=8, height=height
+            ),
+        )
+    ]
+    return pictures + _power(cells)
+
+
+def _power(cells: _Cells) -> list[Picture]:
+    curves = {}
+    for cell, plans in cells.items():
+        if {"ff", "explicable"} <= plans.keys() and len({row["map"] for row in plans["ff"]}) > 3:
+            curve = power_curve(judged(plans["explicable"]), judged(plans["ff"]), POWER_SIZES)
+            curves[cell] = [(float(size), Estimate(share, share, share, 200, size)) for size, share in curve]
+    if not curves:
+        return []
+    svg = to_svg(
+        lambda axes: plot_curves(
+            curves, axes, x_label="problems in a study", y_label="share of studies that find it", log_x=True
+        ),
+        width=8,
+    )
+    return [Picture("power", "How many problems a study needs to find explicable − FF (judged F)", svg)]

@@ -1,0 +1,107 @@
+"""Rows of records, and what is counted in them."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from explicable.evaluation.experiments import Experiment
+from explicable.evaluation.records import Record
+from explicable.evaluation.statistics import Counts, Estimate, estimate
+
+Row = dict[str, Any]
+"""A row of a record, with the ``cell`` and ``repeat`` that it belongs to."""
+
+
+def flatten(experiment: Experiment, records: Iterable[Record]) -> list[Row]:
+    r"""List the rows of records; ``cell`` names what varies between the experiment's cells.
+
+    Examples
+    --------
+    >>> from explicable.evaluation.experiments import parse_experiment
+    >>> text = 'question = "?"\\nkind = "plans"\\n[[cells]]\\nalpha = [0.5, 1.0]'
+    >>> record = {"settings": {"alpha": 0.5}, "repeat": 3, "rows": [{"cost": 7}]}
+    >>> flatten(parse_experiment(text, "e"), [record])
+    [{'cost': 7, 'cell': 'alpha 0.5', 'settings': {'alpha': 0.5}, 'repeat': 3}]
+    """
+    varying = [
+        name
+        for name in dict.fromkeys(name for cell in experiment.cells for name in cell)
+        if len({repr(cell.get(name)) for cell in experiment.cells}) > 1
+    ]
+    return [
+        row
+        | {
+            "cell": _describe(record["settings"], varying),
+            "settings": record["settings"],
+            "repeat": record["repeat"],
+        }
+        for record in records
+        for row in record["rows"]
+    ]
+
+
+def group(rows: Iterable[Row], *names: str) -> dict[Any, list[Row]]:
+    """Group rows by the values of one or several names, in the order of first appearance.
+
+    Examples
+    --------
+    >>> group([{"plan": "ff", "cost": 3}, {"plan": "ff", "cost": 4}], "plan")
+    {'ff': [{'plan': 'ff', 'cost': 3}, {'plan': 'ff', 'cost': 4}]}
+    """
+    groups: dict[Any, list[Row]] = {}
+    for row in rows:
+        key = row[names[0]] if len(names) == 1 else tuple(row[name] for name in names)
+        groups.setdefault(key, []).append(row)
+    return groups
+
+
+def labelled(rows: Sequence[Row], share: str, steps: str = "num_steps") -> Counts:
+    """Count explicable steps as the labeller sees them: its F times the steps that count."""
+    chosen = [row for row in rows if row.get(share) is not None]
+    return Counts(
+        [row[share] * row[steps] for row in chosen],
+        [row[steps] for row in chosen],
+        [problem_of(row) for row in chosen],
+        [row["repeat"] for row in chosen],
+    )
+
+
+def judged(rows: Sequence[Row], *, all_steps: bool = True) -> Counts:
+    """Count explicable steps as the participants see them who judged; human steps count as explicable."""
+    part, whole, problems, people = [], [], [], []
+    for row in rows:
+        num_human = row["num_steps"] - row["num_robot_steps"] if all_steps else 0
+        for name, explicable, asked in row.get("judged", ()):
+            part.append(explicable + num_human)
+            whole.append(asked + num_human)
+            problems.append(problem_of(row))
+            people.append((row["repeat"], name))
+    return Counts(part, whole, problems, people)
+
+
+def means(rows: Sequence[Row], value: Callable[[Row], float | None]) -> Estimate | None:
+    """Estimate the mean of a number over rows, clustered by problem; None where no row has it."""
+    found = [(value(row), problem_of(row), row["repeat"]) for row in rows]
+    present = [(number, problem, repeat) for number, problem, repeat in found if number is not None]
+    if not present:
+        return None
+    numbers, problems, repeats = zip(*present, strict=True)
+    return estimate(Counts(numbers, [1.0] * len(numbers), problems, repeats))
+
+
+def problem_of(row: Row) -> str:
+    """Name the problem that a row is about."""
+    return str(row["map"])
+
+
+def _describe(settings: Mapping[str, Any], varying: Sequence[str]) -> str:
+    parts = [
+        str(settings.get(name, "default"))
+        if isinstance(settings.get(name), str)
+        else f"{name.replace('num_', '').replace('_', ' ')} {_plain(settings.get(name, 'default'))}"
+        for name in varying
+    ]
+    return ", ".join(parts) or "all"
+
+
+def _plain(value: Any) -> str:
+    return "+".join(map(str, value)) if isinstance(value, list) else str(value)

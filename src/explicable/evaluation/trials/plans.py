@@ -1,0 +1,174 @@
+"""Plans of several planners for the same maps, judged by the labeller, and by participants it has not met."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from explicable.errors import UsageError
+from explicable.evaluation.trials.training import (
+    JUDGING,
+    PLAYING,
+    HeldOutProblem,
+    draw_participants,
+    find_family,
+    held_out,
+    train,
+    training_traces,
+)
+from explicable.execution import Participant, Setting, judge, prepare, simulate
+from explicable.labelling import Labeller
+from explicable.labelling.features import TeamFeatures
+from explicable.model.grounding import ground_team
+from explicable.model.plan import format_action
+from explicable.model.problem import GroundAtom
+from explicable.model.team import TeamTask
+from explicable.planning import HumanModel, TeamPlan, plan_as_in_paper, plan_classically, plan_explicably
+
+Row = dict[str, Any]
+Seed = tuple[int, int]
+
+PROOF_S = 60.0
+"""Far more than any proof on these maps takes, so that records do not hang on the machine's speed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What a trial depends on.
+
+    Parameters
+    ----------
+    semantics
+        Of commands: ``persistent`` (the paper's PDDL) or ``exclusive``.
+    family
+        Of the participants whose traces the labeller learns from.
+    judges
+        Family of those who judge the plans; empty: the same.
+    num_traces
+        To learn from.
+    noise
+        Share of wrong labels in them; negative: as the family has it.
+    num_maps
+        Generated maps to plan for; 0: the package's four test maps.
+    plans
+        Which planners, see `PLANNERS`; ``participants`` stands for a simulated participant's game.
+    alpha
+        Price of an inexplicable step, in the unit of cost.
+    num_judges
+        Participants who judge every plan.
+    keep_steps
+        Whether the records of the first repeat hold maps and plans, for pictures.
+    """
+
+    semantics: Literal["persistent", "exclusive"] = "persistent"
+    family: str = "myopic"
+    judges: str = ""
+    num_traces: int = 34
+    noise: float = -1.0
+    num_maps: int = 0
+    plans: tuple[str, ...] = ("ff", "shortest", "paper", "explicable", "participants")
+    alpha: float = 1.0
+    num_judges: int = 3
+    keep_steps: bool = False
+
+    def __post_init__(self) -> None:
+        unknown = set(self.plans) - {*PLANNERS, "participants"}
+        if unknown:
+            raise UsageError(f"unknown plans {', '.join(sorted(unknown))}; known are {', '.join(PLANNERS)}")
+        find_family(self.family)
+
+
+@dataclass(frozen=True, slots=True)
+class _Knowledge:
+    """What the planners have learnt from traces."""
+
+    labeller: Labeller
+    human: HumanModel
+    alpha: float
+
+
+Planner = Callable[[TeamTask, _Knowledge], TeamPlan]
+
+PLANNERS: dict[str, Planner] = {
+    "ff": lambda team, _: plan_classically(team, algorithm="ff"),
+    "shortest": lambda team, _: plan_classically(team, algorithm="astar"),
+    "paper": lambda team, known: plan_as_in_paper(team, known.labeller),
+    "greedy": lambda team, known: plan_explicably(team, known.labeller, alpha=known.alpha, improve_s=0),
+    "greedy-viterbi": lambda team, known: plan_explicably(
+        team, known.labeller, alpha=known.alpha, improve_s=0, expected=False
+    ),
+    "greedy-context": lambda team, known: plan_explicably(
+        team, known.labeller, alpha=known.alpha, improve_s=0, closing="context"
+    ),
+    "explicable": lambda team, known: plan_explicably(
+        team, known.labeller, alpha=known.alpha, improve_s=PROOF_S
+    ),
+}
+"""Each planner by the name that it has in records."""
+
+
+def measure(settings: Settings, seed: Seed) -> list[Row]:
+    """Train, plan for each map with each planner, and have the plans judged: one row a plan."""
+    traces = training_traces(seed, settings.family, settings.semantics, settings.num_traces, settings.noise)
+    known = _Knowledge(train(traces), HumanModel.learn(traces), settings.alpha)
+    judges = draw_participants(seed, settings.judges or settings.family, settings.num_judges)
+    player, *_ = draw_participants((seed[0], seed[1] + 2**20), settings.judges or settings.family, 1)
+    places = (_Place(seed, held, judges) for held in held_out(seed, settings.semantics, settings.num_maps))
+    return [_row(settings, place, name, known, player) for place in places for name in settings.plans]
+
+
+class _Place:
+    """One problem, made ready to plan, to play and to judge."""
+
+    def __init__(self, seed: Seed, held: HeldOutProblem, judges: Sequence[Participant]) -> None:
+        self.seed, self.held, self.judges = seed, held, judges
+        self.team = ground_team(held.problem)
+        self.features = TeamFeatures(self.team)
+        self.setting: Setting = prepare(held.problem)
+
+    def chance(self, stream: int, number: int = 0) -> np.random.Generator:
+        return np.random.default_rng((*self.seed, stream, self.held.number, number))
+
+    def judged(self, actions: Sequence[GroundAtom]) -> list[list[Any]]:
+        """Return name, explicable robot steps, and robot steps, by judge."""
+        counts = []
+        for number, judged_by in enumerate(self.judges):
+            steps = judge(self.setting, judged_by, actions, self.chance(JUDGING, number))
+            labels = [step.label for step in steps if step.label is not None]
+            counts.append([judged_by.name, sum(labels), len(labels)])
+        return counts
+
+
+def _row(settings: Settings, place: _Place, name: str, known: _Knowledge, player: Participant) -> Row:
+    row: Row = {"map": place.held.name, "plan": name}
+    if name == "participants":
+        trace = simulate(place.setting, player, place.chance(PLAYING)).trace
+        actions = trace.actions
+        labels = [step.label for step in trace.steps if step.label is not None]
+        row |= {"outcome": "solved", "own_labels": [player.name, sum(labels), len(labels)]}
+    else:
+        found = PLANNERS[name](place.team, known)
+        row |= {"outcome": found.outcome.value, "search_s": round(found.search_s, 6)}
+        if found.plan is None:
+            return row
+        actions = found.plan.actions
+        if found.objective is not None:
+            row["is_proved"] = found.lower_bound >= found.objective * (1 - 1e-6)
+    labelled = known.labeller.label(place.features, actions)
+    row |= {
+        "cost": place.team.task.execute(actions).cost,
+        "num_steps": labelled.scores.paper.num_steps,
+        "num_robot_steps": labelled.scores.robot.num_steps,
+        "f_paper": labelled.scores.f_paper,
+        "f_robot": labelled.scores.f_robot,
+        "f_expected": labelled.scores.f_expected,
+        "f_robot_expected": labelled.scores.f_robot_expected,
+        "f_human": known.human.predict(place.features, actions).f_human,
+        "judged": place.judged(actions),
+    }
+    if settings.keep_steps and place.seed[1] == 0:
+        row["rows"] = list(place.held.world.rows)
+        row["steps"] = [format_action(action) for action in actions]
+        row["labels"] = [bool(label) for label in labelled.labels]
+    return row

@@ -1,0 +1,82 @@
+"""What trials have in common: maps, simulated participants, and labellers trained on what these said."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from explicable.errors import UsageError
+from explicable.execution import Family, Participant, builtin_families, simulate_study
+from explicable.first_response import World, builtin_maps, encode, generate
+from explicable.first_response.encoding import Semantics
+from explicable.labelling import Labeller, Trace
+from explicable.model.team import TeamProblem
+
+TRAINING, TESTING, JUDGING, PLAYING = range(4)
+"""Streams of chance of one trial: the seed's third number."""
+
+
+def training_traces(
+    seed: tuple[int, int], family: str, semantics: Semantics, num_traces: int, noise: float = -1.0
+) -> list[Trace]:
+    """Let simulated participants of a family play and label the training maps.
+
+    Parameters
+    ----------
+    noise
+        Probability that a label is the wrong way round, for all participants; negative: their own.
+    """
+    problems = [encode(world, semantics) for world in builtin_maps("training").values()]
+    who = find_family(family)
+    if noise >= 0:
+        ranges = {name: ends for name, ends in who.ranges.items() if name != "noise"}
+        who = replace(who, fixed={**who.fixed, "noise": noise}, ranges=ranges)
+    chance = int(np.random.default_rng((*seed, TRAINING)).integers(2**31))
+    episodes = simulate_study(problems, who, num_traces=num_traces, seed=chance)
+    return [episode.trace for episode in episodes]
+
+
+def train(traces: list[Trace]) -> Labeller:
+    """Train a labeller; intervals are not asked of it here, so it needs no bootstrap."""
+    return Labeller.train(traces, num_bootstrap=0)
+
+
+def find_family(name: str) -> Family:
+    """Return a built-in family of simulated participants."""
+    families = builtin_families()
+    if name not in families:
+        raise UsageError(f"there is no family {name!r} of simulated participants, but {', '.join(families)}")
+    return families[name]
+
+
+def draw_participants(seed: tuple[int, int], family: str, num: int) -> list[Participant]:
+    """Draw participants who have had no part in training."""
+    rng = np.random.default_rng((*seed, JUDGING))
+    return [find_family(family).draw(1000 + number, rng) for number in range(num)]
+
+
+def maps_to_plan(seed: tuple[int, int], num_generated: int, side: int = 6) -> Iterator[tuple[str, World]]:
+    """Yield the maps to plan for: the package's test maps, or, if any are asked for, generated ones."""
+    if num_generated == 0:
+        yield from builtin_maps("test").items()
+    for number in range(num_generated):
+        name = f"generated-{seed[0]}-{seed[1]}-{number}"
+        yield name, generate(np.random.default_rng((*seed, TESTING, number)), height=side, width=side)
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOutProblem:
+    """A problem that no labeller has seen."""
+
+    name: str
+    number: int
+    world: World
+    problem: TeamProblem
+
+
+def held_out(
+    seed: tuple[int, int], semantics: Semantics, num_generated: int, side: int = 6
+) -> Iterator[HeldOutProblem]:
+    """Yield `maps_to_plan` as team problems."""
+    for number, (name, world) in enumerate(maps_to_plan(seed, num_generated, side)):
+        yield HeldOutProblem(name, number, world, encode(world, semantics))
