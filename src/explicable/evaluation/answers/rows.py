@@ -17,7 +17,7 @@ def flatten(experiment: Experiment, records: Iterable[Record]) -> list[Row]:
     Examples
     --------
     >>> from explicable.evaluation.experiments import parse_experiment
-    >>> text = 'question = "?"\\nkind = "plans"\\n[[cells]]\\nalpha = [0.5, 1.0]'
+    >>> text = 'question = "?"\nkind = "plans"\n[[cells]]\nalpha = [0.5, 1.0]'
     >>> record = {"settings": {"alpha": 0.5}, "repeat": 3, "rows": [{"cost": 7}]}
     >>> flatten(parse_experiment(text, "e"), [record])
     [{'cost': 7, 'cell': 'alpha 0.5', 'settings': {'alpha': 0.5}, 'repeat': 3}]
