@@ -126,6 +126,7 @@ class Course:
         self._problem, self._since, self._start = setting.problem, 0, self.state
         self._failures: dict[GroundAtom, int] = {}
         self._under_way: GroundAtom = ()
+        self._last_robot_step: int | None = None
         self._effects: dict[Command, Callable[[Notice], None]] = {
             Command.SEND_STEP: self._begin_step,
             Command.ADOPT_PLAN: self._adopt_plan,
@@ -268,6 +269,7 @@ class Course:
 
     def _take_robot_step(self, notice: Notice) -> None:
         self._take(notice.action)
+        self._last_robot_step = len(self.steps) - 1
 
     def _take_person_step(self, notice: Notice) -> None:
         predicted = next((step for step in self.plan if self.is_human(step)), None)
@@ -320,11 +322,10 @@ class Course:
 
     def _asked_about(self, action: GroundAtom) -> int | None:
         """Return the number of the last robot step, if it is this one and has no answer yet."""
-        for number in range(len(self.steps) - 1, -1, -1):
-            step = self.steps[number]
-            if not self.is_human(step.action):
-                return number if step.action == action and step.label is None else None
-        return None
+        number = self._last_robot_step
+        if number is None or self.steps[number].action != action or self.steps[number].label is not None:
+            return None
+        return number
 
     def _adopt_plan(self, notice: Notice) -> None:
         self.plan, self.is_outdated = notice.plan, False

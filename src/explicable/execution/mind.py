@@ -88,12 +88,25 @@ def label_step(participant: Participant, step_regret: float, rng: "np.random.Gen
     >>> label_step(Participant("simulated-1", slack=1.0), 2.0, np.random.default_rng(0))
     False
     """
+    chance = acceptance(participant, step_regret)
+    explicable = bool(rng.random() < chance) if participant.judgement == "boltzmann" else chance == 1.0
+    return explicable != (rng.random() < participant.noise)
+
+
+def acceptance(participant: Participant, step_regret: float) -> float:
+    """Return the probability that a participant finds a step of some regret explicable, if it answers aright.
+
+    Examples
+    --------
+    >>> acceptance(Participant("simulated-1", slack=1.0), 2.0)
+    0.0
+    >>> acceptance(Participant("simulated-1", judgement="boltzmann"), 0.0)
+    1.0
+    """
     if participant.judgement == "boltzmann":
         # p(step) / p(best) = exp(-regret / T): the softmax's normaliser cancels.
-        explicable = bool(rng.random() < math.exp(-max(step_regret, 0.0) / participant.temperature))
-    else:
-        explicable = step_regret <= participant.slack
-    return explicable != (rng.random() < participant.noise)
+        return math.exp(-max(step_regret, 0.0) / participant.temperature)
+    return float(step_regret <= participant.slack)
 
 
 def watch(setting: Setting, mind: Mind, action: GroundAtom, before: State, after: State) -> Mind:

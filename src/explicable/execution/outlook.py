@@ -44,6 +44,7 @@ class Outlook:
         self.task = stage.task
         self.requests = find_requests(problem, stage.task)
         self._known: dict[tuple[State, Goal], tuple[float, int]] = {}
+        self._operators: dict[GroundAtom, tuple[int, ...]] = {}  # of the actions asked about
         self._ends = {action: self._ends_of(request) for action, request in self.requests.items()}
         self._asks = [
             (operator, self.requests[action])
@@ -53,8 +54,14 @@ class Outlook:
 
     def operator(self, state: State, action: GroundAtom) -> int | None:
         """Return the operator by which an action can be executed here, if it can."""
-        operators = self.task.operators_of(action)
-        return next((o for o in operators if self.task.is_applicable(state, o)), None)
+        operators = self._operators.get(action)
+        if operators is None:
+            operators = self._operators[action] = self.task.operators_of(action)
+        is_applicable = self.task.core.is_applicable
+        for operator in operators:
+            if is_applicable(state, operator):
+                return operator
+        return None
 
     def follow(self, state: State, actions: Iterable[GroundAtom]) -> State | None:
         """Return the state after some actions; None if one of them can't be executed."""

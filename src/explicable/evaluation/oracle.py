@@ -1,0 +1,86 @@
+"""The oracle: a robot that looks into the simulated participant's mind, as no real robot can."""
+
+import copy
+import heapq
+import itertools
+
+from explicable.execution import Proposal, Setting, SimulatedPerson, Situation
+from explicable.execution import mind as minds
+from explicable.execution.mind import Mind
+from explicable.model.problem import GroundAtom
+from explicable.model.requests import Request
+from explicable.model.task import State
+from explicable.search import Outcome
+
+_MAX_EXPANSIONS = 20_000
+
+
+class OraclePlanner:
+    """Fulfils each request by the way of least ``cost + alpha * E[steps held against it]``.
+
+    It knows what the participant believes now and by what rule it judges, and predicts that it asks next for
+    what it would choose itself; what it will learn meanwhile and its mistakes are left out. With a request
+    under way the rest after it is planned as by the participant's choice, request by request.
+    """
+
+    def __init__(self, setting: Setting, person: SimulatedPerson, alpha: float = 1.0) -> None:
+        self.setting, self.person, self.alpha = setting, person, alpha
+
+    def __call__(self, situation: Situation) -> Proposal:
+        """Plan from here on."""
+        state, mind = situation.state, self.person.mind
+        plan: list[GroundAtom] = []
+        while not self.setting.truth.task.is_goal(state):
+            part = self._next_part(state, mind)
+            if part is None:
+                return Proposal(Outcome.LIMIT)
+            for action in part:
+                state, mind = self._after(state, mind, action)
+            plan += part
+        return Proposal(Outcome.SOLVED, tuple(plan))
+
+    def _next_part(self, state: State, mind: Mind) -> tuple[GroundAtom, ...] | None:
+        """Return the steps up to the next request, or up to what fulfils the present one."""
+        truth = self.setting.truth
+        if mind.request is not None:
+            return self._best_way(state, mind, mind.request)
+        asked = minds.choose(self.setting, self.person.participant, mind, copy.deepcopy(self.person.rng))
+        if asked is not None and truth.operator(state, asked) is not None:
+            return (asked,)
+        way = truth.mission_way(state)
+        return (truth.task.action(way[0]),) if way else None
+
+    def _best_way(self, state: State, mind: Mind, request: Request) -> tuple[GroundAtom, ...] | None:
+        """Dijkstra's algorithm over the true states; the mind goes along the best way to each."""
+        task, agent_of = self.setting.truth.task, self.setting.problem.agent_of
+        numbers = itertools.count()
+        queue: list[tuple[float, int, State, Mind, tuple[GroundAtom, ...]]] = [
+            (0.0, next(numbers), state, mind, ())
+        ]
+        closed: set[State] = set()
+        while queue and len(closed) < _MAX_EXPANSIONS:
+            price, _, here, seen, way = heapq.heappop(queue)
+            if way and way[-1] in request.fulfilled_by:
+                return way
+            if here in closed:
+                continue
+            closed.add(here)
+            for operator in task.applicable(here):
+                action = task.action(operator)
+                if " " in action[0] or agent_of(action).kind == "human":
+                    continue
+                after, then = self._after(here, seen, action)
+                if after not in closed:
+                    held = minds.regret(self.setting.belief, self.person.participant, seen, action)
+                    against = self.alpha * (1.0 - minds.acceptance(self.person.participant, held))
+                    step = task.cost(operator) + against
+                    heapq.heappush(queue, (price + step, next(numbers), after, then, (*way, action)))
+        return None
+
+    def _after(self, state: State, mind: Mind, action: GroundAtom) -> tuple[State, Mind]:
+        truth = self.setting.truth
+        operator = truth.operator(state, action)
+        if operator is None:
+            raise AssertionError(f"{action} is not possible there")
+        after = truth.task.successor(state, operator)
+        return after, minds.watch(self.setting, mind, action, state, after)

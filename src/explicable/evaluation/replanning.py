@@ -1,0 +1,188 @@
+"""The explicable planner in closed loop: given the past, true to what was announced, mindful of the person.
+
+For a plan from now on it minimises
+
+    J = cost + alpha * E[inexplicable steps | past] + beta * changes + gamma * (1 - p(next request))
+
+where *changes* counts the announced steps that the plan does not keep (`explicable.execution.num_changes`),
+and p is the probability that the person is believed to ask next for what the plan says. All prices are in the
+unit of cost.
+"""
+
+from collections.abc import Iterator, Mapping
+from copy import copy
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal, Protocol
+
+from explicable.execution import Proposal, Situation, num_changes
+from explicable.execution.plans import Actions
+from explicable.labelling import Labeller
+from explicable.labelling.features import TeamFeatures
+from explicable.model.grounding import ground_team
+from explicable.model.problem import GroundAtom
+from explicable.model.requests import find_requests
+from explicable.model.task import Execution
+from explicable.model.team import TeamProblem
+from explicable.search import Outcome, SearchResult, search
+
+_NUM_PREDICTIONS = 4
+"""Next requests for which plans are tried."""
+
+
+class Foresight(Protocol):
+    """What the person is believed to do next."""
+
+    def predict(self) -> Mapping[GroundAtom, float]:
+        """Return the probability of each next request."""
+
+
+@dataclass(frozen=True, slots=True)
+class Prices:
+    """What the parts of the objective cost, in the unit of cost.
+
+    Parameters
+    ----------
+    alpha
+        Of a step that is expected to be inexplicable.
+    beta
+        Of an announced step that is not kept.
+    gamma
+        Of a next request that is predicted and does not come.
+    """
+
+    alpha: float = 1.0
+    beta: float = 0.1
+    gamma: float = 1.0
+
+
+class ExplicablePlanner:
+    """The explicable joint plan; see the module for its objective.
+
+    It chooses between the announced plan, if that still leads to the goal, the plan of Eq. 4, the best that
+    the anytime search finds within its budget and, with foresight, a plan for each of the most probable next
+    requests. Of equally good ones it takes the first of these.
+
+    Parameters
+    ----------
+    labeller
+        What the person finds explicable; may be replaced during a game.
+    prices
+        Of the parts of the objective.
+    foresight
+        What the person is believed to do next; None: no such term.
+    max_evaluations
+        Budget of the anytime search, in states evaluated: the same plan every time. 0: no such search.
+    time_limit_s
+        Of each search, in seconds; None for plans that do not depend on the machine.
+    """
+
+    def __init__(
+        self,
+        labeller: Labeller,
+        prices: Prices = Prices(),
+        *,
+        foresight: Foresight | None = None,
+        max_evaluations: int = 500,
+        time_limit_s: float | None = None,
+    ) -> None:
+        self.labeller, self.prices, self.foresight = labeller, prices, foresight
+        self.max_evaluations, self.time_limit_s = max_evaluations, time_limit_s
+        self._game: _LabelledGame | None = None
+
+    def __call__(self, situation: Situation) -> Proposal:
+        """Plan from here on."""
+        game = self._game
+        if game is None or game.problem is not situation.problem or game.labeller is not self.labeller:
+            game = self._game = _LabelledGame(situation.problem, self.labeller)
+        game.move_to(situation.past)
+        first = self._search(game)
+        if first.operators is None:
+            return Proposal(first.outcome)
+        chances = self.foresight.predict() if self.foresight else {}
+        plans = dict.fromkeys(self._alternatives(game, situation.announced, game.actions(first), chances))
+
+        def price(plan: Actions) -> float:
+            prices = self.prices
+            changed = prices.beta * num_changes(situation.announced, plan)
+            asked = next((step for step in plan if step in game.requests), None)
+            missed = prices.gamma * (1.0 - chances.get(asked, 0.0)) if chances and asked else 0.0
+            return game.objective(plan, prices.alpha) + changed + missed
+
+        return Proposal(Outcome.SOLVED, min(plans, key=price))
+
+    def _alternatives(
+        self, game: "_LabelledGame", announced: Actions, first: Actions, chances: Mapping[GroundAtom, float]
+    ) -> Iterator[Actions]:
+        if announced:
+            yield announced
+        yield first
+        if self.max_evaluations:
+            better = self._search(game, "anytime")
+            if better.operators is not None:
+                yield game.actions(better)
+        for request in sorted(chances, key=lambda step: -chances[step])[:_NUM_PREDICTIONS]:
+            asked = game.after(request)
+            rest = self._search(asked) if asked else None
+            if asked and rest and rest.operators is not None:
+                yield (request, *asked.actions(rest))
+
+    def _search(
+        self, game: "_LabelledGame", algorithm: Literal["default", "anytime"] = "default"
+    ) -> SearchResult:
+        return search(
+            game.task,
+            algorithm,
+            scorer=game.scorer.starting_at(game.context),
+            initial_state=game.state,
+            alpha=self.prices.alpha,
+            max_evaluations=self.max_evaluations if algorithm == "anytime" else None,
+            time_limit_s=self.time_limit_s,
+        )
+
+
+class _LabelledGame:
+    """A game as a labeller sees it: where it stands, and what the scorer keeps of the past."""
+
+    def __init__(self, problem: TeamProblem, labeller: Labeller) -> None:
+        self.problem, self.labeller = problem, labeller
+        features = TeamFeatures(ground_team(problem))
+        self.task = features.task
+        self.requests = find_requests(problem, self.task)
+        self.scorer = labeller.scorer(features)
+        self.past: Actions = ()
+        self.state = self.task.initial_state
+        self.context = self.scorer.root(self.state)
+
+    def move_to(self, past: Actions) -> None:
+        """Take the steps that are new since the last time; begin again if the past is another."""
+        if past[: len(self.past)] != self.past:
+            self.past, self.state = (), self.task.initial_state
+            self.context = self.scorer.root(self.state)
+        execution = self.task.execute(past[len(self.past) :], self.state)
+        self.context = self._extend(execution)
+        self.past, self.state = past, execution.states[-1]
+
+    def after(self, action: GroundAtom) -> "_LabelledGame | None":
+        """Return the game after one more step, or None if that is not possible."""
+        if not any(self.task.is_applicable(self.state, o) for o in self.task.operators_of(action)):
+            return None
+        game = copy(self)
+        game.move_to((*self.past, action))
+        return game
+
+    def objective(self, plan: Actions, alpha: float) -> float:
+        """Return ``cost + alpha * E[inexplicable steps]``, up to what the past has settled already."""
+        execution = self.task.execute(plan, self.state)
+        count, _, _ = self.scorer.score(self._extend(execution), execution.states[-1], [])
+        return execution.cost + alpha * count
+
+    def actions(self, result: SearchResult) -> Actions:
+        """Return the plan that a search has found."""
+        return tuple(map(self.task.action, result.operators or ()))
+
+    def _extend(self, execution: Execution) -> bytes:
+        context = self.context
+        for operator, (before, after) in zip(execution.operators, pairwise(execution.states), strict=True):
+            context = self.scorer.extend(context, operator, before, after)
+        return context

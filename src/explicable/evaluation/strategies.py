@@ -1,0 +1,82 @@
+"""The robot's strategies that are compared in closed loop (method page, section 7), each as a planner."""
+
+import math
+from collections.abc import Callable
+
+from explicable.evaluation.oracle import OraclePlanner
+from explicable.evaluation.replanning import ExplicablePlanner, Prices
+from explicable.execution import Planner, Proposal, Setting, SimulatedPerson, Situation
+from explicable.labelling import Labeller
+from explicable.model.grounding import ground_team
+from explicable.model.task import State
+from explicable.model.team import TeamTask
+from explicable.search import Outcome, search
+
+Strategy = Callable[[Setting, SimulatedPerson], Planner]
+"""Makes a strategy's planner for one game; only the oracle looks at the person."""
+
+
+def strategies(labeller: Labeller, prices: Prices = Prices()) -> dict[str, Strategy]:  # noqa: B008 (frozen)
+    """Return all strategies that are compared, by name.
+
+    ``follower``: a shortest way to what was last asked for; ``nearest``: without a request it heads for what
+    can be had soonest; ``ff``: the joint plan of FF; ``explicable``: the explicable joint plan; ``oracle``:
+    knows what the participant will find inexplicable.
+
+    Examples
+    --------
+    >>> from explicable.labelling import ConditionalRandomField
+    >>> nothing_known = ConditionalRandomField.from_weights((True, False), [], [], [[0, 0], [0, 0]])
+    >>> list(strategies(Labeller(nothing_known)))
+    ['follower', 'nearest', 'ff', 'explicable', 'oracle']
+    """
+    return {
+        "follower": lambda _setting, _person: lambda _situation: Proposal(Outcome.LIMIT),
+        "nearest": lambda setting, _person: NearestPlanner(setting),
+        "ff": lambda _setting, _person: ClassicalPlanner(),
+        "explicable": lambda _setting, _person: ExplicablePlanner(labeller, prices),
+        "oracle": lambda setting, person: OraclePlanner(setting, person, prices.alpha),
+    }
+
+
+class NearestPlanner:
+    """Plans to have everything that can be asked for, always what is nearest next."""
+
+    def __init__(self, setting: Setting) -> None:
+        self.truth = setting.truth
+
+    def __call__(self, situation: Situation) -> Proposal:
+        """Plan from here on."""
+        truth, state = self.truth, situation.state
+        plan: list[int] = []
+        while not truth.task.is_goal(state):
+            way = self._next_part(state)
+            if not way:
+                return Proposal(Outcome.UNSOLVABLE)
+            plan += way
+            for operator in way:
+                state = truth.task.successor(state, operator)
+        return Proposal(Outcome.SOLVED, tuple(map(truth.task.action, plan)))
+
+    def _next_part(self, state: State) -> tuple[int, ...] | None:
+        truth = self.truth
+        for cost, ask in truth.ranked_asks(state)[:1]:
+            if cost < math.inf:
+                request = truth.requests[truth.task.action(ask)]
+                return (ask, *(truth.fulfilment_way(truth.task.successor(state, ask), request) or ()))
+        return truth.mission_way(state)
+
+
+class ClassicalPlanner:
+    """The joint plan of FF, without regard to what the person expects."""
+
+    def __init__(self) -> None:
+        self._team: TeamTask | None = None
+
+    def __call__(self, situation: Situation) -> Proposal:
+        """Plan from here on."""
+        if self._team is None or situation.problem is not self._team.problem:
+            self._team = ground_team(situation.problem)
+        task = self._team.task
+        result = search(task, "ff", initial_state=task.execute(situation.past).states[-1])
+        return Proposal(result.outcome, tuple(map(task.action, result.operators or ())))

@@ -1,0 +1,81 @@
+import numpy as np
+import pytest
+
+from explicable.evaluation.replanning import ExplicablePlanner, Prices
+from explicable.evaluation.strategies import strategies
+from explicable.execution import (
+    Ending,
+    SimulatedPerson,
+    Situation,
+    builtin_families,
+    prepare,
+    run,
+    simulate_study,
+)
+from explicable.first_response import builtin_maps, encode
+from explicable.labelling import Labeller
+
+
+@pytest.fixture(scope="module")
+def labeller():
+    problems = [encode(world) for world in list(builtin_maps("training").values())[:4]]
+    episodes = simulate_study(problems, builtin_families()["myopic"], num_traces=8)
+    return Labeller.train([episode.trace for episode in episodes], num_bootstrap=0)
+
+
+@pytest.mark.parametrize("name", ["follower", "nearest", "ff", "explicable", "oracle"])
+@pytest.mark.parametrize("family", ["myopic", "mission", "boltzmann"])
+def test_every_strategy_reaches_the_goal_with_every_family(labeller, name, family):
+    setting = prepare(encode(builtin_maps("test")["test-01"], "exclusive"))
+    participant = builtin_families()[family].draw(1, np.random.default_rng(0))
+    person = SimulatedPerson(setting, participant, np.random.default_rng(1))
+    played = run(setting, strategies(labeller)[name](setting, person), person)
+    assert played.episode.ending is Ending.REACHED
+
+
+class Certain:
+    """Foresight that is sure of one request."""
+
+    def __init__(self, request):
+        self.request = request
+
+    def predict(self):
+        return {self.request: 1.0}
+
+
+def test_foresight_decides_what_is_asked_next_if_it_is_dear_enough(labeller):
+    world = builtin_maps("test")["test-01"]
+    problem = encode(world, "exclusive")
+    situation = Situation(problem, (), (), prepare(problem).truth.task.initial_state)
+    for row, column in world.marks:
+        request = ("command", "person", f"c-{row}-{column}")
+        planner = ExplicablePlanner(labeller, Prices(gamma=1000.0), foresight=Certain(request))
+        assert next(step for step in planner(situation).actions if step[0] == "command") == request
+
+
+def test_what_was_announced_is_kept_if_change_is_dear_and_only_then(labeller):
+    problem = encode(builtin_maps("test")["test-02"], "exclusive")
+    start = prepare(problem).truth.task.initial_state
+    best = ExplicablePlanner(labeller, max_evaluations=5000)(Situation(problem, (), (), start)).actions
+    worst = strategies(labeller)["nearest"](prepare(problem), None)(Situation(problem, (), (), start)).actions
+    assert best != worst
+    announced = Situation(problem, (), worst, start)
+    assert ExplicablePlanner(labeller, Prices(beta=1000.0), max_evaluations=5000)(announced).actions == worst
+    assert ExplicablePlanner(labeller, Prices(beta=0.0), max_evaluations=5000)(announced).actions == best
+
+
+def test_the_objective_is_that_of_the_labelled_plan_given_the_past(labeller):
+    """The planner's own bookkeeping against labelling past and plan together, from the start."""
+    from explicable.evaluation.replanning import _LabelledGame
+    from explicable.model.grounding import ground_team
+
+    problem = encode(builtin_maps("test")["test-03"], "exclusive")
+    start = prepare(problem).truth.task.initial_state
+    plan = ExplicablePlanner(labeller)(Situation(problem, (), (), start)).actions
+    labelled = labeller.label(ground_team(problem), plan)
+    expected = sum(1 - p for p, robot in zip(labelled.probabilities, labelled.is_robot, strict=True) if robot)
+    for cut in (0, 1, 5, len(plan)):
+        game = _LabelledGame(problem, labeller)
+        game.move_to(plan[: cut // 2])
+        game.move_to(plan[:cut])
+        assert game.objective(plan[cut:], 2.0) == pytest.approx(len(plan) - cut + 2 * expected)
