@@ -32,7 +32,7 @@ def importers_of(library):
 
 
 def test_only_the_studys_store_touches_the_database_and_only_its_app_the_web():
-    store = {"study/store.py", "study/writer.py", "study/schema.py"}
+    store = {f"study/{name}.py" for name in ("store", "records", "schema", "writer")}
     migrations = {path for path in importers_of("sqlalchemy") if path.startswith("study/migrations/")}
     assert importers_of("sqlalchemy") - migrations <= store | {"cli/study.py"}
     web = {"study/app.py", "study/admin.py", "study/pages.py", "cli/study.py"}

@@ -1,5 +1,6 @@
 """`explicable study`: people play or watch plans in a browser and label them; from consent to data set."""
 
+import json
 from pathlib import Path
 from typing import Literal
 
@@ -78,3 +79,147 @@ def serve(
     if told.new_password:
         click.echo(f"password:       {told.new_password}   (shown only now; --new-password makes another)")
     server.run()
+
+
+@study.command()
+@study_argument
+@click.option("-n", "--num", type=click.IntRange(min=1), default=10, show_default=True, help="How many.")
+@click.option("--family", default="myopic", show_default=True, help="Family of simulated participants.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of all chance.")
+@click.option("--url", help="Address of the running study. Default: one is run for as long as it takes.")
+@click.option("--at-once", type=click.IntRange(min=1), default=8, show_default=True, help="How many at once.")
+@click.option("--pace", type=click.FloatRange(min=0), default=0.0, help="Seconds before each answer.")
+@database_option
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def simulate(
+    folder: Path,
+    num: int,
+    family: str,
+    seed: int,
+    url: str | None,
+    at_once: int,
+    pace: float,
+    database: str | None,
+    as_json: bool,
+) -> None:
+    """Let simulated participants take part in the study in DIR, over HTTP.
+
+    They are test instruments: every row that comes of them is marked, and is no evidence about people.
+    """
+    import contextlib
+
+    from explicable.execution import builtin_families
+    from explicable.study.folder import open_study
+    from explicable.study.serving import Server
+    from explicable.study.simulation import Simulation
+
+    families = builtin_families()
+    if family not in families:
+        raise click.UsageError(
+            f"no family of participants is called {family!r}: choose {', '.join(families)}"
+        )
+    with contextlib.ExitStack() as stack:
+        if url is None:
+            server = Server(folder, port=0, database=database, trusts_floods=True)
+            if server.announcement.new_password:
+                click.echo(f"the researcher's password: {server.announcement.new_password}", err=True)
+            url = stack.enter_context(server.in_background())
+        opened = stack.enter_context(open_study(folder, database))
+        simulation = Simulation(url, opened.materials, opened.keys, families[family], seed, pace)
+        tally = simulation.run(num, at_once=at_once)
+    times = sorted(tally.answer_s)
+    summary = {
+        "simulated": True,
+        "num_participants": num,
+        "num_finished": tally.num_finished,
+        "num_refused": tally.num_refused,
+        "num_labels": len(tally.labels),
+        "answer_s_median": times[len(times) // 2] if times else None,
+        "answer_s_99": times[int(0.99 * len(times))] if times else None,
+    }
+    if as_json:
+        click.echo(json.dumps(summary))
+        return
+    click.echo(
+        f"simulated participants: {tally.num_finished} of {num} finished, {tally.num_refused} ended early or"
+        f" found no place; labels: {len(tally.labels)}"
+    )
+
+
+@study.command()
+@study_argument
+@click.option("-o", "--output", type=FOLDER, required=True, help="Folder to make for the data set.")
+@database_option
+def export(folder: Path, output: Path, database: str | None) -> None:
+    """Write the data of the study in DIR: CSV, JSON Lines, Parquet (Psych-DS), codebook, checksums, traces.
+
+    What a recruitment platform told about people is never exported.
+    """
+    from explicable.study.export import export as write_export
+    from explicable.study.folder import open_study
+
+    with open_study(folder, database) as opened:
+        counts = opened.store.read(lambda tx: write_export(tx, opened.materials, output))
+    for table, count in counts.items():
+        click.echo(f"{table:15} {count:8}")
+
+
+@study.command()
+@study_argument
+@database_option
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def status(folder: Path, database: str | None, as_json: bool) -> None:
+    """Say how far the study in DIR has come: people and simulated participants apart."""
+    from explicable.study.folder import open_study
+    from explicable.study.summary import summarise
+
+    with open_study(folder, database) as opened:
+        found = {
+            origin: opened.store.read(lambda tx, origin=origin: summarise(tx, opened.materials, origin))  # type: ignore[misc]
+            for origin in ("person", "simulated")
+        }
+    if as_json:
+        click.echo(json.dumps({origin: summary.as_dict() for origin, summary in found.items()}))
+        return
+    for origin, summary in found.items():
+        click.echo("people" if origin == "person" else "simulated participants (test instruments, no people)")
+        stages = ", ".join(f"{stage}: {number}" for stage, number in sorted(summary.stages.items()))
+        click.echo(f"  sessions by stage   {stages or 'none'}")
+        click.echo(f"  labels              {summary.num_labels}")
+        if summary.agreement is not None:
+            click.echo(f"  agreement           {summary.agreement:.3f} (Krippendorff's alpha)")
+        for score in summary.scores:
+            interval = f" [{score.low:.3f}, {score.high:.3f}]" if score.low is not None else ""
+            click.echo(
+                f"  F of {score.source:14} {score.f_robot:.3f}{interval} "
+                f"({score.num_labels} labels, {score.num_participants} participants, {score.num_tasks} tasks)"
+            )
+    click.echo("places: finished + under way / asked for, all origins")
+    for mine, theirs in zip(found["person"].tasks, found["simulated"].tasks, strict=True):
+        name = f"{mine.task} ({mine.condition})" if mine.condition else mine.task
+        finished, under_way = mine.finished + theirs.finished, mine.under_way + theirs.under_way
+        click.echo(f"  {name:30} {finished} + {under_way} / {mine.wanted}")
+
+
+@study.command()
+@study_argument
+@click.argument("participant")
+@database_option
+@click.option("--yes", is_flag=True, help="Don't ask.")
+def forget(folder: Path, participant: str, database: str | None, yes: bool) -> int:
+    """Erase all data of PARTICIPANT from the study in DIR; a tombstone remains."""
+    import time
+
+    from explicable.cli import EXIT_BAD_INPUT
+    from explicable.study.folder import open_study
+    from explicable.study.records import erase, is_known
+
+    with open_study(folder, database) as opened:
+        if not opened.store.read(lambda tx: is_known(tx, participant)):
+            click.echo(f"explicable: there is no participant {participant!r}, or no longer", err=True)
+            return EXIT_BAD_INPUT
+        if not yes:
+            click.confirm(f"Erase everything that {participant} left?", abort=True)
+        rows = opened.store.write(lambda tx: erase(tx, participant, time.time()))
+    click.echo(f"{participant}: {rows} rows erased")
+    return 0

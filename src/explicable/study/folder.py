@@ -1,6 +1,8 @@
 """A study's folder: how it is made, and what its database keeps about the study itself."""
 
 import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -10,8 +12,9 @@ from explicable.first_response import builtin_maps, format_map
 from explicable.model.files import write_whole
 from explicable.study import schema as tables
 from explicable.study.config import FILE
-from explicable.study.security import hash_password
-from explicable.study.store import Store, Transaction, migrate
+from explicable.study.materials import Materials, read_materials
+from explicable.study.security import Keys, hash_password
+from explicable.study.store import DATABASE, Store, Transaction, migrate, sqlite_url
 from explicable.study.words import language as load_language
 
 HERE = Path(__file__).parent
@@ -104,6 +107,34 @@ def open_database(url: str, study_hash: str, *, renews_password: bool = False) -
 
     try:
         return Opened(store.write(prepare))
+    finally:
+        store.close()
+
+
+@dataclass(frozen=True, slots=True)
+class OpenStudy:
+    """A study with its database, for the researcher's own commands."""
+
+    materials: Materials
+    store: Store
+    keys: Keys
+
+
+@contextmanager
+def open_study(folder: Path, database: str | None = None) -> Iterator[OpenStudy]:
+    """Open a study that has been served before.
+
+    Raises
+    ------
+    InputError
+        If it has no database yet.
+    """
+    materials = read_materials(folder)
+    if database is None and not (folder / DATABASE).exists():
+        raise InputError("there are no data yet: nobody has been served", path=folder / DATABASE)
+    store = Store(database or sqlite_url(folder.resolve()))
+    try:
+        yield OpenStudy(materials, store, Keys(store.read(read_secret)))
     finally:
         store.close()
 

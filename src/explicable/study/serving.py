@@ -2,8 +2,13 @@
 
 import functools
 import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from explicable.errors import InputError, UsageError
 from explicable.study.app import create_app
@@ -11,6 +16,9 @@ from explicable.study.folder import open_database
 from explicable.study.materials import read_materials
 from explicable.study.recruitment import link_template
 from explicable.study.store import sqlite_url
+
+if TYPE_CHECKING:
+    import uvicorn
 
 GRACE_S = 2
 """Seconds that requests under way get when the server is stopped."""
@@ -65,20 +73,31 @@ class Server:
         self._workers = workers
         self._app = functools.partial(create_app, folder.resolve(), url, trusts_floods=trusts_floods)
 
+    @contextmanager
+    def in_background(self) -> Iterator[str]:
+        """Serve from a thread of this process while the block runs; yields the link."""
+        import uvicorn
+
+        server = uvicorn.Server(self._config())
+        thread = threading.Thread(target=server.run, args=([self._socket],), daemon=True)
+        thread.start()
+        try:
+            while not server.started and thread.is_alive():
+                time.sleep(0.02)
+            if not server.started:
+                raise InputError("the study's server did not start")
+            yield self.announcement.link
+        finally:
+            server.should_exit = True
+            thread.join()
+            self._socket.close()
+
     def run(self) -> None:
         """Serve until interrupted."""
         import uvicorn
         from uvicorn.supervisors import Multiprocess
 
-        config = uvicorn.Config(
-            self._app,
-            factory=True,
-            workers=self._workers,
-            log_level="warning",
-            access_log=False,
-            server_header=False,
-            timeout_graceful_shutdown=GRACE_S,
-        )
+        config = self._config()
         server = uvicorn.Server(config)
         try:
             if self._workers > 1:
@@ -89,6 +108,19 @@ class Server:
             pass  # that is how it is stopped
         finally:
             self._socket.close()
+
+    def _config(self) -> "uvicorn.Config":
+        import uvicorn
+
+        return uvicorn.Config(
+            self._app,
+            factory=True,
+            workers=self._workers,
+            log_level="warning",
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=GRACE_S,
+        )
 
 
 def _bind(host: str, port: int) -> socket.socket:

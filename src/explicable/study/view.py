@@ -93,8 +93,15 @@ def view_of(standing: Standing, language: Language) -> View:
         wait_s=condition.step_s if request or game.length is not None else condition.idle_step_s,
         task=material.task.name if is_simulated else None,
         condition=condition.name if is_simulated else None,
-        operator=format_action(last.action) if last and is_simulated else None,
+        operator=_operator(moment) if is_simulated else None,
     )
+
+
+def _operator(moment: Moment) -> str | None:
+    """Return the step announced, or else the last one."""
+    if moment.announced:
+        return format_action(moment.announced)
+    return format_action(moment.steps[-1].action) if moment.steps else None
 
 
 def phase_of(material: Material, moment: Moment) -> Phase:

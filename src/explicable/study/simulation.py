@@ -1,0 +1,245 @@
+"""Simulated participants who take part in a study over HTTP, as people's browsers do.
+
+They are test instruments: their link is signed by the study itself, and every row that comes of them says
+``simulated``.
+"""
+
+import asyncio
+import html
+import re
+import secrets
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+
+import httpx2
+import numpy as np
+
+from explicable.errors import InputError
+from explicable.execution import Family, Participant, SimulatedPerson
+from explicable.execution import Game as Watched
+from explicable.model.plan import format_action, parse_action
+from explicable.study.materials import Material, Materials
+from explicable.study.security import Keys
+
+if TYPE_CHECKING:
+    from explicable.model.problem import GroundAtom
+
+_HIDDEN = re.compile(r'<input type="hidden" name="(\w+)" value="([^"]*)"')
+_MAX_TRIES = 60
+_RETRY_S = 0.25
+
+
+class _Options(TypedDict, total=False):
+    params: dict[str, str]
+    data: dict[str, str]
+    json: dict[str, Any]
+    headers: dict[str, str]
+
+
+@dataclass
+class Tally:
+    """What came of simulated participants.
+
+    Attributes
+    ----------
+    num_finished, num_refused
+        How many got to the end, and how many found no place.
+    labels
+        Every label that the server acknowledged: session, task's position, steps taken, label.
+    answer_s
+        Seconds that each acknowledged label took.
+    """
+
+    num_finished: int = 0
+    num_refused: int = 0
+    labels: list[tuple[str, int, int, bool]] = field(default_factory=list)
+    answer_s: list[float] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """How simulated participants take part.
+
+    Parameters
+    ----------
+    link
+        The study's address.
+    materials
+        The study: they have to know the maps that they see.
+    keys
+        The study's own, which sign their links.
+    family
+        From which they are drawn.
+    seed
+        Of all their chance.
+    pace_s
+        Seconds that each waits before it answers.
+    """
+
+    link: str
+    materials: Materials
+    keys: Keys
+    family: Family
+    seed: int = 0
+    pace_s: float = 0.0
+
+    def run(self, num: int, *, at_once: int = 8, tell: Callable[[Tally], None] = lambda _: None) -> Tally:
+        """Let a number of participants take part, some of them at once.
+
+        Raises
+        ------
+        InputError
+            If there is no study at the link, or it answers as none should.
+        """
+        return asyncio.run(self._run(num, at_once, tell))
+
+    async def _run(self, num: int, at_once: int, tell: Callable[[Tally], None]) -> Tally:
+        tally, turn = Tally(), asyncio.Semaphore(at_once)
+
+        async def take_part(number: int) -> None:
+            async with turn:
+                await _Visit(self, number, tally).take_part()
+                tell(tally)
+
+        async with asyncio.TaskGroup() as group:
+            for number in range(1, num + 1):
+                group.create_task(take_part(number))
+        return tally
+
+
+class _Visit:
+    """One simulated participant's visit."""
+
+    def __init__(self, simulation: Simulation, number: int, tally: Tally) -> None:
+        self.simulation, self.tally = simulation, tally
+        self.rng = np.random.default_rng((simulation.seed, number))
+        self.participant = simulation.family.draw(number, self.rng)
+        self.client = httpx2.AsyncClient(base_url=simulation.link, follow_redirects=True, timeout=60)
+        self.token = ""
+
+    async def take_part(self) -> None:
+        async with self.client:
+            name = self.simulation.keys.sign("simulated", self.participant.name)
+            page = await self.fetch("GET", "/", params={"simulated": name})
+            form = dict(re.findall(r'<input type="hidden" name="(ticket)" value="([^"]*)"', page))
+            page = await self.fetch("POST", "/consent", data={**form, "decision": "yes"}, accepts=(200, 409))
+            while fields := _fields(page):
+                page = await self.go_on(fields)
+                if page == "":
+                    page = await self.fetch("GET", "/session")
+            if 'class="code"' in page:
+                self.tally.num_finished += 1
+            else:
+                self.tally.num_refused += 1
+
+    async def go_on(self, fields: dict[str, str]) -> str:
+        """Do what a page asks for; return the next page, or nothing where it has to be fetched."""
+        study, stage = self.simulation.materials.study, fields["stage"]
+        self.token = fields["token"]
+        answers: dict[str, str] = {}
+        if stage in {"practice", "tasks"}:
+            await self.task()
+            return ""
+        if stage == "comprehension":
+            answers = {f"question-{n}": question.answer for n, question in enumerate(study.question, 1)}
+        elif stage == "ratings":
+            answers = {f"rating-{r.name}": str(self.rng.integers(1, 11)) for r in study.rating}
+            answers.update({f"check-{n}": check.answer for n, check in enumerate(study.check, 1)})
+        return await self.fetch("POST", "/session", data={**fields, **answers})
+
+    async def task(self) -> None:
+        """Play or watch one task to its end."""
+        view = await self.fetch_view()
+        place = view["stage"], view["position"]
+        material = self.simulation.materials.material(view["task"], view["condition"])
+        eye = _Eye(material, self.participant, self.rng)
+        while (view["stage"], view["position"]) == place:
+            path, body = eye.decide(view)
+            if self.simulation.pace_s:
+                await asyncio.sleep(self.simulation.pace_s * float(self.rng.uniform(0.5, 1.5)))
+            began = time.perf_counter()
+            view = await self.send(path, body)
+            if path == "/api/answer":
+                self.tally.answer_s.append(time.perf_counter() - began)
+                session = self.client.cookies.get("study") or ""
+                self.tally.labels.append((session, place[1], body["number"], body["explicable"]))
+
+    async def fetch_view(self) -> dict[str, Any]:
+        response = await self.request("GET", "/api/view")
+        return dict(response.json())
+
+    async def send(self, path: str, body: dict[str, Any]) -> dict[str, Any]:
+        body = {"request_id": secrets.token_hex(16), "client_time": time.time(), **body}
+        response = await self.request("POST", path, json=body, headers={"X-Token": self.token})
+        return dict(response.json())
+
+    async def fetch(
+        self, method: str, path: str, accepts: tuple[int, ...] = (200,), **options: Unpack[_Options]
+    ) -> str:
+        response = await self.request(method, path, accepts, **options)
+        return str(response.text)
+
+    async def request(
+        self, method: str, path: str, accepts: tuple[int, ...] = (200,), **options: Unpack[_Options]
+    ) -> httpx2.Response:
+        """Send a request, again and again as it is while nobody answers."""
+        problem = "no answer"
+        for _ in range(_MAX_TRIES):
+            try:
+                response = await self.client.request(method, path, **options)
+            except httpx2.TransportError as error:
+                problem = str(error) or type(error).__name__
+            else:
+                if response.status_code in accepts:
+                    return response
+                problem = f"{response.status_code}: {response.text[:200]}"
+                if response.status_code < 500 and response.status_code != 429:
+                    break
+            await asyncio.sleep(_RETRY_S)
+        raise InputError(f"{method} {path}: {problem}", path=self.simulation.link)
+
+
+class _Eye:
+    """What a simulated participant sees of one task, and makes of it."""
+
+    def __init__(self, material: Material, participant: Participant, rng: np.random.Generator) -> None:
+        expects_initiative = participant.initiative or material.condition.mode == "autonomous"
+        participant = replace(participant, initiative=expects_initiative)
+        setting = material.game.setting
+        self.person = SimulatedPerson(setting, participant, rng)
+        self.watched = Watched(setting, self.person)
+        self.refused: frozenset[GroundAtom] = frozenset()
+        self.may_think = False
+
+    def decide(self, view: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+        """Return what to send next."""
+        is_announced = view["phase"] == "question" and view["number"] == len(self.watched.steps)
+        if view["operator"] and (view["number"] > len(self.watched.steps) or is_announced):
+            self.watched.take(parse_action(view["operator"]))
+            self.may_think = view["phase"] == "question"
+        if view["phase"] == "question":
+            return "/api/answer", {"number": view["number"], "explicable": bool(self.watched.steps[-1].label)}
+        asked = self._ask(view)
+        if asked is not None:
+            self.may_think = False
+            return "/api/command", {"operator": asked}
+        return "/api/step", {"number": view["number"]}
+
+    def _ask(self, view: dict[str, Any]) -> str | None:
+        possible = [command["operator"] for command in view["commands"] if command["is_possible"]]
+        must_ask = view["phase"] == "waiting"
+        if not possible or not (must_ask or (self.may_think and self.person.thinks_over())):
+            return None
+        self.may_think = False
+        chosen = self.person.choose(self.refused)
+        if chosen is not None and format_action(chosen) in possible:
+            return format_action(chosen)
+        return possible[0] if must_ask else None
+
+
+def _fields(page: str) -> dict[str, str]:
+    """Return the hidden fields of a session's page; none where it has ended."""
+    fields = {name: html.unescape(value) for name, value in _HIDDEN.findall(page)}
+    return fields if "token" in fields else {}

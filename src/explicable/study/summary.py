@@ -1,0 +1,183 @@
+"""What a study has come to: places, drop-out, labels, agreement and explicability, by origin.
+
+People and simulated participants are never counted together.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from explicable.errors import UsageError
+from explicable.labelling.annotators import krippendorff_alpha
+from explicable.study.materials import Materials
+from explicable.study.records import LabelRow, count_stages, count_tasks, read_labels
+from explicable.study.store import Transaction
+
+NUM_RESAMPLES = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class TaskCount:
+    """How far a task has come in a condition."""
+
+    task: str
+    kind: str
+    source: str
+    condition: str
+    wanted: int
+    finished: int
+    under_way: int
+
+
+@dataclass(frozen=True, slots=True)
+class SourceScore:
+    """How explicable the steps of what one source made were found.
+
+    Attributes
+    ----------
+    f_robot
+        Share of the labelled robot steps that were called explicable, pooled.
+    f_macro
+        Mean of the tasks' shares.
+    low, high
+        Ends of the 95 % interval of ``f_robot``, from a bootstrap over participants; None for a single one.
+    num_labels, num_participants, num_tasks
+        What it rests on.
+    """
+
+    source: str
+    f_robot: float
+    f_macro: float
+    low: float | None
+    high: float | None
+    num_labels: int
+    num_participants: int
+    num_tasks: int
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """What the participants of one origin have done.
+
+    Attributes
+    ----------
+    stages
+        Sessions by the stage in which they are.
+    num_labels
+        All labels, those of practice left out.
+    agreement
+        Krippendorff's alpha over the steps of replayed plans; None where no step has two labels.
+    median_latency_s
+        Of the labels, by the participants' own clocks.
+    quality
+        For each participant: labels, share of explicable ones, median latency; to find careless ones.
+    """
+
+    origin: str
+    stages: dict[str, int]
+    tasks: tuple[TaskCount, ...]
+    num_labels: int
+    scores: tuple[SourceScore, ...]
+    agreement: float | None
+    median_latency_s: float | None
+    quality: tuple[dict[str, Any], ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as values that JSON has."""
+        return asdict(self)
+
+
+def summarise(tx: Transaction, materials: Materials, origin: str) -> Summary:
+    """Work out what the participants of one origin (``person`` or ``simulated``) have done."""
+    labels = read_labels(tx, origin)
+    scored = [
+        (materials.tasks[label.task].source, label) for label in labels if label.task in materials.tasks
+    ]
+    by_source: dict[str, list[LabelRow]] = defaultdict(list)
+    for source, label in scored:
+        by_source["play" if label.kind == "play" else source].append(label)
+    latencies = [label.latency_s for label in labels if label.latency_s is not None]
+    rng = np.random.default_rng(materials.study.seed)
+    return Summary(
+        origin=origin,
+        stages=count_stages(tx, origin),
+        tasks=tuple(_task_counts(tx, materials, origin)),
+        num_labels=len(labels),
+        scores=tuple(_score(source, rows, rng) for source, rows in sorted(by_source.items())),
+        agreement=_agreement(labels),
+        median_latency_s=float(np.median(latencies)) if latencies else None,
+        quality=tuple(_quality(labels)),
+    )
+
+
+def _task_counts(tx: Transaction, materials: Materials, origin: str) -> list[TaskCount]:
+    done = count_tasks(tx, origin)
+    counts = []
+    for task in materials.study.task:
+        conditions = list(materials.conditions) if task.kind == "play" else [""]
+        for condition in conditions:
+            mine = [row for row in done if row.task == task.name and condition in {"", row.condition}]
+            finished = sum(row.num for row in mine if row.status == "done")
+            under_way = sum(row.num for row in mine if row.status in {"open", "started"})
+            counts.append(
+                TaskCount(task.name, task.kind, task.source, condition, task.people, finished, under_way)
+            )
+    return counts
+
+
+def _score(source: str, rows: Sequence[LabelRow], rng: np.random.Generator) -> SourceScore:
+    people = sorted({row.participant for row in rows})
+    said = np.zeros((len(people), 2))  # explicable, all
+    tasks: dict[tuple[str, str], list[bool]] = defaultdict(list)
+    for row in rows:
+        said[people.index(row.participant)] += (row.explicable, 1)
+        tasks[row.task, row.condition].append(row.explicable)
+    low = high = None
+    if len(people) > 1:
+        drawn = said[rng.integers(len(people), size=(NUM_RESAMPLES, len(people)))].sum(axis=1)
+        low, high = (float(end) for end in np.quantile(drawn[:, 0] / drawn[:, 1], (0.025, 0.975)))
+    return SourceScore(
+        source=source,
+        f_robot=float(said[:, 0].sum() / said[:, 1].sum()),
+        f_macro=float(np.mean([np.mean(labels) for labels in tasks.values()])),
+        low=low,
+        high=high,
+        num_labels=len(rows),
+        num_participants=len(people),
+        num_tasks=len(tasks),
+    )
+
+
+def _agreement(labels: Sequence[LabelRow]) -> float | None:
+    """Return the agreement on steps that several people saw: those of replayed plans."""
+    items: dict[tuple[str, str, int], dict[str, bool]] = defaultdict(dict)
+    for label in labels:
+        if label.kind == "replay":
+            items[label.task, label.condition, label.number][label.participant] = label.explicable
+    try:
+        return krippendorff_alpha(list(items.values()))
+    except UsageError:
+        return None
+
+
+def _quality(labels: Sequence[LabelRow]) -> list[dict[str, Any]]:
+    by_person: dict[str, list[LabelRow]] = defaultdict(list)
+    for label in labels:
+        by_person[label.participant].append(label)
+    return [
+        {
+            "participant": person,
+            "num_labels": len(rows),
+            "share_explicable": sum(row.explicable for row in rows) / len(rows),
+            "median_latency_s": _median([row.latency_s for row in rows]),
+        }
+        for person, rows in sorted(by_person.items())
+    ]
+
+
+def _median(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return float(np.median(known)) if known else None
