@@ -11,6 +11,7 @@
     │   ├── PlanError                     a plan file, or a plan that its task refuses
     │   ├── MapError                      a first-response map
     │   ├── TraceError                    a file of labelled traces
+    │   ├── EpisodeError                  a game on record
     │   ├── LabellerError                 a labeller file
     │   └── RobotError                    a message on a robot's wire
     └── ResourceError                     a task needs more memory than was allowed
@@ -111,6 +112,10 @@ class MapError(InputError):
 
 class TraceError(InputError):
     """A file of labelled traces is damaged."""
+
+
+class EpisodeError(InputError):
+    """A game on record is damaged."""
 
 
 class LabellerError(InputError):

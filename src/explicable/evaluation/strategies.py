@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from explicable.evaluation.oracle import OraclePlanner
 from explicable.evaluation.replanning import ExplicablePlanner, Prices
@@ -9,8 +10,10 @@ from explicable.execution import Planner, Proposal, Setting, SimulatedPerson, Si
 from explicable.labelling import Labeller
 from explicable.model.grounding import ground_team
 from explicable.model.task import State
-from explicable.model.team import TeamTask
 from explicable.search import Outcome, search
+
+if TYPE_CHECKING:
+    from explicable.model.team import TeamTask
 
 Strategy = Callable[[Setting, SimulatedPerson], Planner]
 """Makes a strategy's planner for one game; only the oracle looks at the person."""

@@ -1,6 +1,7 @@
 """Working together with a person."""
 
 from explicable.execution.course import Course, Notice, Occurrence
+from explicable.execution.episode_files import read_episode, write_episode
 from explicable.execution.episodes import (
     Ending,
     Episode,
@@ -17,6 +18,7 @@ from explicable.execution.monitor import draw_monitor
 from explicable.execution.participants import Family, Participant, builtin_families, read_families
 from explicable.execution.people import Person, ScriptedPerson, SimulatedPerson
 from explicable.execution.plans import Planner, Proposal, Situation, num_changes
+from explicable.execution.records import EpisodeRecord, Replay, record, replay
 from explicable.execution.setting import Setting, prepare
 
 __all__ = [
@@ -24,6 +26,7 @@ __all__ = [
     "Course",
     "Ending",
     "Episode",
+    "EpisodeRecord",
     "Family",
     "Game",
     "Limits",
@@ -33,6 +36,7 @@ __all__ = [
     "Person",
     "Planner",
     "Proposal",
+    "Replay",
     "Run",
     "ScriptedPerson",
     "Setting",
@@ -46,8 +50,12 @@ __all__ = [
     "observable_facts",
     "play",
     "prepare",
+    "read_episode",
     "read_families",
+    "record",
+    "replay",
     "run",
     "simulate",
     "simulate_study",
+    "write_episode",
 ]

@@ -126,6 +126,7 @@ class Course:
         self._problem, self._since, self._start = setting.problem, 0, self.state
         self._failures: dict[GroundAtom, int] = {}
         self._under_way: GroundAtom = ()
+        self._time_s = 0.0
         self._last_robot_step: int | None = None
         self._effects: dict[Command, Callable[[Notice], None]] = {
             Command.SEND_STEP: self._begin_step,
@@ -180,7 +181,7 @@ class Course:
         >>> course.occurrences[-1].refusal
         "'step finished' can't happen while 'deciding'"
         """
-        refusal = self._objection(notice)
+        self._time_s, refusal = time_s, self._objection(notice)
         commands: tuple[Command, ...] = ()
         if not refusal:
             try:
@@ -248,6 +249,10 @@ class Course:
                 return f"{format_action(action)} is no step of a person of this team"
             if not self.step_under_way and not self.allows(action):
                 return f"{format_action(action)} is not possible now"
+        if event is Event.ROBOT_NEXT and (self.is_human(action) or not self.allows(action)):
+            return f"{format_action(action)} is no step that the robot can take now"
+        if event is Event.GOAL_HOLDS and not self.has_reached_goal:
+            return "the goal does not hold"
         if event is Event.STEP_FINISHED and self.step_under_way:
             if action != self._under_way:
                 return f"{format_action(action)} is not what the robot was sent to do"
@@ -286,7 +291,7 @@ class Course:
         after = self.truth.task.successor(self.state, operator)
         self.mind = minds.watch(self.setting, self.mind, action, self.state, after)
         self.state = after
-        self.steps.append(LabelledStep(self.setting.problem.agent_of(action).name, action))
+        self.steps.append(LabelledStep(self.setting.problem.agent_of(action).name, action, time=self._time_s))
         self._failures.clear()
         if self.plan and self.plan[0] == action:
             self.plan = self.plan[1:]
