@@ -19,6 +19,7 @@ from starlette.exceptions import HTTPException as AnyHTTPException
 
 from explicable.errors import InputError
 from explicable.study.conduct import Conduct, NoPlaceError, Request, Standing, UnknownSessionError
+from explicable.study.forms import read_form
 from explicable.study.materials import Materials
 from explicable.study.pages import Pages
 from explicable.study.protocol import ConflictError
@@ -176,6 +177,8 @@ def _handle_errors(app: FastAPI, server: Server) -> None:
 
     @app.exception_handler(AnyHTTPException)
     async def refused(request: HTTPRequest, error: AnyHTTPException) -> Response:
+        if error.status_code == 303 and error.headers:
+            return RedirectResponse(error.headers["Location"], 303)
         if not request.url.path.startswith("/api/"):
             return server.pages.problem(str(error.detail), error.status_code)
         return JSONResponse(Problem(error=str(error.detail)).model_dump(), error.status_code)
@@ -252,7 +255,7 @@ def _page_routes(server: Server) -> APIRouter:
 
 def _script_routes(server: Server) -> APIRouter:
     routes = APIRouter(
-        prefix="/api", responses={code: {"model": Problem} for code in (401, 403, 409, 413, 422, 429)}
+        prefix="/api", responses={code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429)}
     )
     conduct, language = server.conduct, server.materials.language
 
@@ -313,12 +316,6 @@ async def _revisions(server: Server, request: HTTPRequest, session: str) -> Asyn
             known = revision
             yield f"data: {known}\n\n"
         await asyncio.sleep(1.0)
-
-
-async def read_form(request: HTTPRequest) -> dict[str, str]:
-    """Return the text fields of a form that was sent."""
-    async with request.form(max_files=0, max_fields=200) as form:
-        return {name: value for name, value in form.items() if isinstance(value, str)}
 
 
 def _json(model: BaseModel, status: int = 200) -> Response:

@@ -60,6 +60,10 @@ class Pages:
         """Fill in a template."""
         return HTMLResponse(self.templates.get_template(template).render(**values), status)
 
+    def admin(self, template: str, status: int = 200, /, **values: object) -> Response:
+        """Fill in one of the researcher's pages, which are in English."""
+        return self.page(template, status, lang="en", **values)
+
     def consent(self, recruit: dict[str, str], simulated: str | None) -> Response:
         """Ask for consent; the ticket carries over what the link told, and makes sending twice harmless."""
         ticket = {"request": secrets.token_hex(16), "recruit": recruit, "simulated": simulated}
