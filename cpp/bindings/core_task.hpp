@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "search/prepared_task.hpp"
 #include "task/packed_state.hpp"
 #include "task/task.hpp"
 #include "task/task_index.hpp"
@@ -11,11 +12,12 @@
 namespace explicable {
 
 struct CoreTask : Task {
-    explicit CoreTask(Task&& task) : Task(std::move(task)), packer(*this), index(*this) {}
+    explicit CoreTask(Task&& task) : Task(std::move(task)), packer(*this), index(*this), prepared(*this) {}
     CoreTask(const CoreTask&) = delete;
 
     StatePacker packer;
     TaskIndex index;
+    PreparedTask prepared;
 };
 
 }  // namespace explicable

@@ -105,27 +105,24 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
 
     const nb::gil_scoped_release released;
     Monitor monitor(limits, has_been_interrupted);
-    const SuccessorGenerator successors(task);
-    const Question question{task, successors, std::move(start), goal};
+    const Question question(task.prepared, std::move(start), goal);
     return solve(question, options, monitor);
 }
 
 // The question that a plan answers.
-Question question_of(const CoreTask& task, const SuccessorGenerator& successors, const std::optional<nb::bytes>& initial,
-                     const std::vector<FactId>& goal, const std::vector<OperatorId>& plan) {
+Question question_of(const CoreTask& task, const std::optional<nb::bytes>& initial, const std::vector<FactId>& goal, const std::vector<OperatorId>& plan) {
     check_goal(task, goal);
     for (const OperatorId step : plan) {
         if (step < 0 || step >= task.num_operators()) throw nb::index_error("no such operator");
     }
-    Question question{task, successors, initial ? state_of(task, *initial) : initial_state(task), goal};
+    Question question(task.prepared, initial ? state_of(task, *initial) : initial_state(task), goal);
     if (!execute_plan(task, question.initial, goal, plan)) throw std::invalid_argument("not a plan of this task");
     return question;
 }
 
 std::vector<OperatorId> eliminated(const CoreTask& task, const std::optional<nb::bytes>& initial,
                                    const std::vector<FactId>& goal, const std::vector<OperatorId>& plan) {
-    const SuccessorGenerator successors(task);
-    const Question question = question_of(task, successors, initial, goal, plan);
+    const Question question = question_of(task, initial, goal, plan);
     const nb::gil_scoped_release released;
     return eliminate_actions(question, plan, std::numeric_limits<std::int64_t>::max());
 }
@@ -133,15 +130,14 @@ std::vector<OperatorId> eliminated(const CoreTask& task, const std::optional<nb:
 std::vector<OperatorId> neighbouring(const CoreTask& task, const std::optional<nb::bytes>& initial,
                                      const std::vector<FactId>& goal, const std::vector<OperatorId>& plan,
                                      std::size_t max_transitions) {
-    const SuccessorGenerator successors(task);
-    const Question question = question_of(task, successors, initial, goal, plan);
+    const Question question = question_of(task, initial, goal, plan);
     const nb::gil_scoped_release released;
     return search_neighbourhood(question, plan, max_transitions);
 }
 
 std::vector<OperatorId> applicable(const CoreTask& task, const nb::bytes& state) {
     std::vector<OperatorId> operators;
-    SuccessorGenerator(task).applicable(state_of(task, state), operators);
+    task.prepared.successors().applicable(state_of(task, state), operators);
     return operators;
 }
 
@@ -150,7 +146,7 @@ using OrderedPlan = std::pair<std::int32_t, std::vector<OperatorId>>;
 std::optional<OrderedPlan> relaxed_plan(const CoreTask& task, const nb::bytes& state, const std::vector<FactId>& goal,
                                         bool unit_costs) {
     check_goal(task, goal);
-    RelaxedPlanner planner(task, goal, unit_costs ? SupporterCost::unit : SupporterCost::plus_one);
+    RelaxedPlanner planner(task.prepared, goal, unit_costs ? SupporterCost::unit : SupporterCost::plus_one);
     if (!planner.compute(state_of(task, state))) return std::nullopt;
     const auto plan = planner.ordered_plan();
     return OrderedPlan{planner.h_add(), {plan.begin(), plan.end()}};
@@ -160,8 +156,8 @@ std::vector<OperatorId> helpful(const CoreTask& task, const nb::bytes& bytes, co
     check_goal(task, goal);
     const State state = state_of(task, bytes);
     std::vector<OperatorId> operators, result;
-    SuccessorGenerator(task).applicable(state, operators);
-    RelaxedPlanner planner(task, goal, SupporterCost::unit);
+    task.prepared.successors().applicable(state, operators);
+    RelaxedPlanner planner(task.prepared, goal, SupporterCost::unit);
     if (planner.compute(state)) planner.helpful(operators, result);
     return result;
 }
@@ -169,8 +165,7 @@ std::vector<OperatorId> helpful(const CoreTask& task, const nb::bytes& bytes, co
 double heuristic_value(const CoreTask& task, const nb::bytes& state, const std::vector<FactId>& goal,
                        const std::string& name) {
     check_goal(task, goal);
-    const SuccessorGenerator successors(task);
-    const Question question{task, successors, state_of(task, state), goal};
+    const Question question(task.prepared, state_of(task, state), goal);
     const auto heuristic = make_admissible(question, name);
     if (!heuristic) throw std::invalid_argument("unknown heuristic: " + name);
     return heuristic->evaluate(question.initial);

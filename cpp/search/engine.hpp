@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "search/successors.hpp"
+#include "search/prepared_task.hpp"
 #include "task/state.hpp"
 
 namespace explicable {
@@ -18,6 +18,14 @@ constexpr double dead_end = std::numeric_limits<double>::infinity();
 
 // From where, to where. The goal may differ from the task's own.
 struct Question {
+    Question(const PreparedTask& prepared_task, State start, std::vector<FactId> goal_facts)
+        : prepared(prepared_task),
+          task(prepared.task()),
+          successors(prepared.successors()),
+          initial(std::move(start)),
+          goal(std::move(goal_facts)) {}
+
+    const PreparedTask& prepared;
     const Task& task;
     const SuccessorGenerator& successors;
     State initial;

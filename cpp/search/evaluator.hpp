@@ -26,7 +26,7 @@ struct LabelledOptions {
 class Evaluator {
 public:
     Evaluator(const Question& question, const PathScorer* scorer, SupporterCost supporter_cost = SupporterCost::unit)
-        : planner_(question.task, question.goal, supporter_cost),
+        : planner_(question.prepared, question.goal, supporter_cost),
           scorer_(scorer),
           real_costs_(supporter_cost != SupporterCost::unit) {}
 

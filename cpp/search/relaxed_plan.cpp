@@ -9,29 +9,24 @@ namespace {
 
 constexpr std::int32_t most_counted_cost = 1000;  // up to which counting beats comparing
 
-RelaxedTask merged(const Task& task, SupporterCost supporter_cost) {
-    RelaxedTask relaxed(task, supporter_cost);
-    relaxed.merge();
-    return relaxed;
-}
-
 std::int32_t saturated(std::int32_t a, std::int32_t b) { return std::min(a + b, infinite_cost); }
 
 }  // namespace
 
-RelaxedPlanner::RelaxedPlanner(const Task& task, std::span<const FactId> goal, SupporterCost supporter_cost)
-    : task_(task),
-      relaxed_(merged(task, supporter_cost)),
+RelaxedPlanner::RelaxedPlanner(const PreparedTask& prepared, std::span<const FactId> goal,
+                               SupporterCost supporter_cost)
+    : task_(prepared.task()),
+      relaxed_(prepared.relaxed(supporter_cost)),
       goal_(goal.begin(), goal.end()),
-      is_goal_(task.num_facts(), 0),
+      is_goal_(task_.num_facts(), 0),
       initial_counters_(relaxed_.size()),
       counters_(relaxed_.size()),
-      fact_cost_(task.num_facts()),
-      supporter_(task.num_facts()),
-      fact_seen_(task.num_facts(), 0),
-      fact_first_(task.num_facts(), 0),
-      operator_seen_(task.num_operators(), 0),
-      several_pieces_(task.effect_conditions.size() > 0) {
+      fact_cost_(task_.num_facts()),
+      supporter_(task_.num_facts()),
+      fact_seen_(task_.num_facts(), 0),
+      fact_first_(task_.num_facts(), 0),
+      operator_seen_(task_.num_operators(), 0),
+      several_pieces_(task_.effect_conditions.size() > 0) {
     for (const FactId fact : goal_) {
         num_goals_ += !is_goal_[fact];
         is_goal_[fact] = 1;

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "search/cost_queue.hpp"
-#include "search/relaxed_task.hpp"
+#include "search/prepared_task.hpp"
 #include "task/state.hpp"
 
 namespace explicable {
 
 class RelaxedPlanner {
 public:
-    RelaxedPlanner(const Task& task, std::span<const FactId> goal, SupporterCost supporter_cost);
+    RelaxedPlanner(const PreparedTask& prepared, std::span<const FactId> goal, SupporterCost supporter_cost);
 
     // False: the goal is out of reach even if nothing were ever deleted, so the state is a dead end.
     bool compute(const State& state);
@@ -43,7 +43,7 @@ private:
     };
 
     const Task& task_;
-    const RelaxedTask relaxed_;
+    const RelaxedTask& relaxed_;
     std::vector<FactId> goal_, goal_by_cost_;
     std::vector<char> is_goal_;
     std::int32_t num_goals_ = 0;

@@ -61,7 +61,7 @@ std::size_t NoveltyTable::memory_bytes() const {
 WidthSearch::WidthSearch(const Question& question, std::uint64_t seed)
     : question_(question),
       nodes_(question.task, nullptr, Closing::state),
-      planner_(question.task, question.goal, SupporterCost::unit),
+      planner_(question.prepared, question.goal, SupporterCost::unit),
       ties_(seed),
       novelty_(question.task.num_facts()),
       place_(question.task.num_facts(), -1),
