@@ -25,7 +25,7 @@ from explicable.model.team import TeamProblem
 Semantics = Literal["persistent", "exclusive"]
 
 PERSON = "person"
-"""Name of the one human, who gives the commands."""
+"""Name of the human who gives the commands; of several, see `person_name`."""
 
 
 def robot_name(index: int) -> str:
@@ -39,7 +39,18 @@ def robot_name(index: int) -> str:
     return f"r{index + 1}"
 
 
-def encode(world: World, semantics: Semantics = "persistent") -> TeamProblem:
+def person_name(index: int) -> str:
+    """Name one of the people.
+
+    Examples
+    --------
+    >>> person_name(0), person_name(1)
+    ('person', 'person-2')
+    """
+    return f"{PERSON}-{index + 1}" if index else PERSON
+
+
+def encode(world: World, semantics: Semantics = "persistent", *, num_people: int = 1) -> TeamProblem:
     """Express a map as a team problem (method page, section 5).
 
     Parameters
@@ -53,10 +64,13 @@ def encode(world: World, semantics: Semantics = "persistent") -> TeamProblem:
         command is in force; robots move only under a command; a new one replaces it, and visiting the room
         fulfils it.
 
+    num_people
+        Humans who give commands; they believe the same. Under ``exclusive``, too, one command is in force.
+
     Raises
     ------
     UsageError
-        Unknown semantics.
+        Unknown semantics, or nobody who commands.
 
     Examples
     --------
@@ -69,12 +83,14 @@ def encode(world: World, semantics: Semantics = "persistent") -> TeamProblem:
     """
     if semantics not in get_args(Semantics):
         raise UsageError(f"semantics must be one of {', '.join(get_args(Semantics))}, not {semantics!r}")
+    if num_people < 1:
+        raise UsageError(f"somebody must command, not {num_people} people")
     names = _cell_names(world)
     facts = _shared_facts(world, names)
     problem = Problem(
         name="first-response-map",
         domain=first_response_domain(semantics),
-        objects=_objects(world, names),
+        objects=_objects(world, names, num_people),
         init=(*facts, *_clear_facts(world, names, "robot")),
         goal=And(tuple(Atom("visited", (names[cell],)) for cell in world.marks)),
         values={},
@@ -214,8 +230,8 @@ def _cell_names(world: World) -> dict[Cell, str]:
     }
 
 
-def _objects(world: World, names: dict[Cell, str]) -> dict[str, tuple[str, ...]]:
-    objects: dict[str, tuple[str, ...]] = {PERSON: ("human",)}
+def _objects(world: World, names: dict[Cell, str], num_people: int) -> dict[str, tuple[str, ...]]:
+    objects: dict[str, tuple[str, ...]] = {person_name(index): ("human",) for index in range(num_people)}
     objects.update((robot_name(index), ("robot",)) for index in range(len(world.robots)))
     objects.update(dict.fromkeys(names.values(), ("cell",)))
     objects.update((names[cell], ("room",)) for cell in world.marks)

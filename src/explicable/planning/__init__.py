@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from explicable.planning.correction import correct
     from explicable.planning.differences import Comparison, Difference, compare, find_differences
     from explicable.planning.explanation import Finding, StepExplanation, explain
+    from explicable.planning.makespan import ScheduledPlan, plan_schedule
     from explicable.planning.measures import Measures, measure
     from explicable.planning.pareto import FrontPlan, choose, front
     from explicable.planning.planner import (
@@ -35,6 +36,7 @@ _HOMES = {
     "Measures": "measures",
     "PredictedSteps": "predictions",
     "RankedPlan": "ranking",
+    "ScheduledPlan": "makespan",
     "StepExplanation": "explanation",
     "TeamPlan": "planner",
     "ToldPlan": "telling",
@@ -52,6 +54,7 @@ _HOMES = {
     "plan_as_in_paper": "planner",
     "plan_classically": "planner",
     "plan_explicably": "planner",
+    "plan_schedule": "makespan",
     "rank": "ranking",
 }
 
@@ -64,6 +67,7 @@ __all__ = [
     "Measures",
     "PredictedSteps",
     "RankedPlan",
+    "ScheduledPlan",
     "StepExplanation",
     "TeamPlan",
     "ToldPlan",
@@ -81,6 +85,7 @@ __all__ = [
     "plan_as_in_paper",
     "plan_classically",
     "plan_explicably",
+    "plan_schedule",
     "rank",
 ]
 

@@ -1,0 +1,254 @@
+"""Joint plans that end soon: planning for makespan.
+
+A search over sequences in which a step counts by when it can be done at the earliest, beside what is already
+under way (`explicable.model.schedule`). Steps are appended in the order of their start times, which loses
+nothing: a schedule made from its own order of start times starts no step later. So a node is a state, and for
+each fact and agent the times that constrain what follows.
+
+Its bound is the critical path of the delete relaxation from there (h^max with durations; Haslum & Geffner,
+"Heuristic planning with time and resources", ECP 2001): no schedule that goes on from the node ends sooner.
+Beams of growing width keep the nodes whose goals are, in that relaxation, reached soonest on average; a beam
+that had to drop no node has proved the least makespan.
+"""
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from explicable.errors import UsageError
+from explicable.model.durations import Durations
+from explicable.model.problem import GroundAtom
+from explicable.model.schedule import Schedule, make_schedule
+from explicable.model.team import TeamTask
+from explicable.planning.planner import check_alpha
+from explicable.planning.relaxed_times import Node, RelaxedTimes, Timetable
+from explicable.search import Outcome, search
+
+if TYPE_CHECKING:
+    from explicable.labelling import LabelledPlan, Labeller
+
+Actions = tuple[GroundAtom, ...]
+
+_FIRST_WIDTH = 4
+_GROWTH = 4
+
+
+@dataclass(frozen=True, slots=True)
+class ScheduledPlan:
+    """What planning for makespan came to.
+
+    Parameters
+    ----------
+    outcome
+        Solved if there is a schedule; else proved unsolvable, limit reached or interrupted.
+    schedule
+        The best schedule found.
+    labelled
+        Its steps in the order of their start times, with predicted labels, if a labeller was given.
+    objective
+        ``makespan + alpha * E[number of inexplicable steps]``.
+    lower_bound
+        No schedule has a lower makespan.
+    num_nodes
+        Nodes whose bound was computed.
+    search_s
+        Seconds spent.
+    """
+
+    outcome: Outcome
+    schedule: Schedule | None
+    labelled: "LabelledPlan | None"
+    objective: float | None
+    lower_bound: float
+    num_nodes: int
+    search_s: float
+
+    @property
+    def is_optimal(self) -> bool:
+        """Whether no schedule has a lower makespan."""
+        return self.schedule is not None and self.schedule.makespan <= self.lower_bound + 1e-9
+
+
+def plan_schedule(
+    team_task: TeamTask,
+    durations: Durations | None = None,
+    *,
+    labeller: "Labeller | None" = None,
+    alpha: float = 1.0,
+    time_limit_s: float = 10.0,
+    max_width: int = 4096,
+    seed: int = 0,
+) -> ScheduledPlan:
+    """Plan for ``makespan + alpha * E[number of inexplicable steps]``; without a labeller, for makespan.
+
+    The search looks for low makespans; of all the plans that it meets, the one of least objective is taken.
+    The first is that of the sequential search, so there is an answer as soon as that has one.
+
+    Parameters
+    ----------
+    durations
+        Of the steps; by default 1 each.
+    alpha
+        Price of one inexplicable step, in the unit of the durations.
+    time_limit_s
+        Seconds for everything.
+    max_width
+        Widest beam.
+
+    Raises
+    ------
+    UsageError
+        If alpha is negative or not finite, or there is no time or no beam.
+
+    Examples
+    --------
+    >>> from explicable.first_response import World, encode
+    >>> from explicable.model.grounding import ground_team
+    >>> plan_schedule(ground_team(encode(World(("@.*", "@.*"))))).schedule.makespan
+    3.0
+    """
+    check_alpha(alpha)
+    if not (time_limit_s > 0 and max_width > 0):
+        raise UsageError("time_limit_s and max_width must be above 0")
+    began = time.perf_counter()
+    result = search(team_task.task, seed=seed, time_limit_s=time_limit_s)
+    if result.operators is None:
+        bound = math.inf if result.outcome is Outcome.UNSOLVABLE else 0.0
+        return ScheduledPlan(result.outcome, None, None, None, bound, 0, time.perf_counter() - began)
+    best = _Best(team_task, durations or Durations(), labeller, alpha)
+    best.consider(tuple(map(team_task.task.action, result.operators)))
+    beams = _Beams(team_task, best, began + time_limit_s)
+    try:
+        lower_bound = beams.run(max_width)
+    except KeyboardInterrupt:
+        lower_bound = beams.lower_bound
+    return ScheduledPlan(
+        Outcome.SOLVED,
+        best.schedule,
+        best.labelled,
+        best.objective,
+        lower_bound,
+        beams.num_nodes,
+        time.perf_counter() - began,
+    )
+
+
+class _Best:
+    """The best schedule so far."""
+
+    def __init__(
+        self, team_task: TeamTask, durations: Durations, labeller: "Labeller | None", alpha: float
+    ) -> None:
+        self.team_task, self.durations, self.labeller, self.alpha = team_task, durations, labeller, alpha
+        self.schedule: Schedule | None = None
+        self.labelled: LabelledPlan | None = None
+        self.objective = self.least_makespan = math.inf
+        self.num_steps = 0
+
+    def consider(self, actions: Actions) -> None:
+        """Take a plan if it is better, or as good and shorter, once superfluous steps are gone."""
+        schedule = self._lean(self._schedule(actions))
+        self.least_makespan = min(self.least_makespan, schedule.makespan)
+        labelled = self.labeller.label(self.team_task, schedule.actions) if self.labeller else None
+        objective = schedule.makespan
+        if labelled is not None and labelled.scores.f_expected is not None:
+            objective += self.alpha * len(schedule.steps) * (1.0 - labelled.scores.f_expected)
+        if (objective, len(schedule.steps)) < (self.objective, self.num_steps):
+            self.schedule, self.labelled = schedule, labelled
+            self.objective, self.num_steps = objective, len(schedule.steps)
+
+    def _schedule(self, actions: Actions) -> Schedule:
+        return make_schedule(self.team_task.problem, self.team_task.task, actions, self.durations)
+
+    def _lean(self, schedule: Schedule) -> Schedule:
+        """Drop steps that nothing needs (Nakhost & Mueller, "Action elimination", ICAPS 2010)."""
+        number = 0
+        while number < len(schedule.steps):
+            rest = self._without(schedule.actions, number)
+            shorter = None if rest is None else self._schedule(rest)
+            if shorter is not None and shorter.makespan <= schedule.makespan:
+                schedule = shorter
+            else:
+                number += 1
+        return schedule
+
+    def _without(self, actions: Actions, number: int) -> Actions | None:
+        """Return a plan without one step and those that then are impossible, if it still reaches the goal."""
+        task = self.team_task.task
+        state, kept = task.execute(actions[:number]).states[-1], list(actions[:number])
+        for action in actions[number + 1 :]:
+            operator = next((o for o in task.operators_of(action) if task.is_applicable(state, o)), None)
+            if operator is not None:
+                state = task.successor(state, operator)
+                kept.append(action)
+        return tuple(kept) if task.is_goal(state) else None
+
+
+class _Beams:
+    """Passes of growing width; each prunes by what the ones before have found."""
+
+    def __init__(self, team_task: TeamTask, best: _Best, deadline: float) -> None:
+        self.task, self.best, self.deadline = team_task.task, best, deadline
+        self.timetable = Timetable(team_task, best.durations)
+        self.relaxed = RelaxedTimes(self.timetable)
+        self.lower_bound = 0.0
+        self.num_nodes = 0
+
+    def run(self, max_width: int) -> float:
+        """Widen the beam until the least makespan is proved, or the time or the width is spent."""
+        root = self.timetable.root()
+        self.lower_bound = min(float(self.relaxed.rate([root])[0][0]), self.best.least_makespan)
+        width = _FIRST_WIDTH
+        while self.lower_bound < self.best.least_makespan - 1e-9 and width <= max_width:
+            is_complete = self._pass(root, width)
+            if time.perf_counter() >= self.deadline:
+                break
+            if is_complete and self.timetable.is_exact:
+                self.lower_bound = self.best.least_makespan
+            if is_complete:
+                break
+            width *= _GROWTH
+        return self.lower_bound
+
+    def _pass(self, root: Node, width: int) -> bool:
+        """Run one beam; True if it had to drop no node."""
+        layer, is_complete = [root], True
+        known: dict[bytes, list[Node]] = {}
+        while layer and time.perf_counter() < self.deadline:
+            children = list(self._children(layer, known))
+            if not children:
+                break
+            self.num_nodes += len(children)
+            bounds, guides = self.relaxed.rate(children)
+            order = sorted(
+                (number for number in range(len(children)) if bounds[number] < self._limit()),
+                key=lambda number: (guides[number], number),
+            )
+            is_complete = is_complete and len(order) <= width
+            layer = [children[number] for number in order[:width]]
+        return is_complete
+
+    def _limit(self) -> float:
+        """Nodes that end no sooner are of no use."""
+        return self.best.objective - 1e-9
+
+    def _children(self, layer: list[Node], known: dict[bytes, list[Node]]) -> Iterator[Node]:
+        for node in layer:
+            if time.perf_counter() >= self.deadline:
+                return
+            for child in self.timetable.children(node):
+                if self.task.is_goal(child.state):
+                    if child.makespan < self._limit():
+                        self.best.consider(child.actions(self.task.action))
+                elif not _is_dominated(child, known.setdefault(child.state, [])):
+                    yield child
+
+
+def _is_dominated(node: Node, others: list[Node]) -> bool:
+    """Whether another node of the same state constrains what follows no more; notes the node if not."""
+    if any(other.precedes(node) for other in others):
+        return True
+    others.append(node)
+    return False
