@@ -42,6 +42,8 @@ COMMANDS = {
     "front": "explicable.cli.front",
     "traces": "explicable.cli.labels",
     "evaluate": "explicable.cli.evaluate",
+    "play": "explicable.cli.game",
+    "replay": "explicable.cli.game",
     "first-response": "explicable.cli.first_response",
     "study": "explicable.cli.study",
 }

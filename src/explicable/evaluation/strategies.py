@@ -34,7 +34,7 @@ def strategies(labeller: Labeller, prices: Prices = Prices()) -> dict[str, Strat
     ['follower', 'nearest', 'ff', 'explicable', 'oracle']
     """
     return {
-        "follower": lambda _setting, _person: lambda _situation: Proposal(Outcome.LIMIT),
+        "follower": lambda _setting, _person: follow,
         "nearest": lambda setting, _person: NearestPlanner(setting),
         "ff": lambda _setting, _person: ClassicalPlanner(),
         "explicable": lambda _setting, _person: ExplicablePlanner(labeller, prices),
@@ -42,18 +42,30 @@ def strategies(labeller: Labeller, prices: Prices = Prices()) -> dict[str, Strat
     }
 
 
+def follow(situation: Situation) -> Proposal:  # noqa: ARG001 (a planner's signature)
+    """Plan nothing: the robot then follows the last request by a shortest way, and predicts nobody.
+
+    Examples
+    --------
+    >>> follow(Situation(None, (), (), b"")).outcome.value
+    'limit reached'
+    """
+    return Proposal(Outcome.LIMIT)
+
+
 class NearestPlanner:
-    """Plans to have everything that can be asked for, always what is nearest next."""
+    """Plans to fulfil the last request, then all that can be asked for, always what is nearest next."""
 
     def __init__(self, setting: Setting) -> None:
         self.truth = setting.truth
 
     def __call__(self, situation: Situation) -> Proposal:
         """Plan from here on."""
-        truth, state = self.truth, situation.state
+        truth, state, request = self.truth, situation.state, situation.request
         plan: list[int] = []
         while not truth.task.is_goal(state):
-            way = self._next_part(state)
+            way = truth.fulfilment_way(state, request) if request else None
+            way, request = way or self._next_part(state), None
             if not way:
                 return Proposal(Outcome.UNSOLVABLE)
             plan += way

@@ -143,7 +143,7 @@ class Course:
         """What a plan would now be asked for."""
         past = tuple(step.action for step in self.steps[self._since :])
         announced = self.plan if self.leads_to_goal(self.plan) else ()
-        return Situation(self._problem, past, announced, self.state)
+        return Situation(self._problem, past, announced, self.state, self.mind.request)
 
     @property
     def step_under_way(self) -> GroundAtom:

@@ -189,6 +189,10 @@ class ClosedLoop:
         """Bring an event in from outside, from any thread; what can't be is noted and changes nothing."""
         self._outside.append(notice)
 
+    def abort(self) -> None:
+        """Let the game end as soon as can be; may be called from any thread."""
+        self.notify(Notice(Event.ABORT))
+
     def result(self) -> Run:
         """Return the game that has ended.
 

@@ -47,7 +47,7 @@ class Person(Protocol):
         """Be told that a request can't be fulfilled."""
 
 
-class _Watcher:
+class Watcher:
     """What all people made of software do alike: keep a mind up to date."""
 
     def __init__(self, name: str, setting: Setting) -> None:
@@ -58,16 +58,19 @@ class _Watcher:
 
     @property
     def request(self) -> Request | None:
+        """The last thing asked for and not got."""
         return self.mind.request
 
     def watch(self, action: GroundAtom, before: State, after: State) -> None:
+        """See a step of anybody happen."""
         self.mind = minds.watch(self.setting, self.mind, action, before, after)
 
     def give_up(self, request: Request) -> None:
+        """Be told that a request can't be fulfilled."""
         self.mind = minds.give_up(self.mind, request)
 
 
-class SimulatedPerson(_Watcher):
+class SimulatedPerson(Watcher):
     """A simulated participant at play: a test instrument.
 
     Parameters
@@ -102,7 +105,7 @@ class SimulatedPerson(_Watcher):
         return minds.label_step(self.participant, regret, self.rng)
 
 
-class ScriptedPerson(_Watcher):
+class ScriptedPerson(Watcher):
     """A person for tests: takes written steps in their order, one whenever it is asked to choose.
 
     Parameters

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from explicable.model.problem import GroundAtom
+from explicable.model.requests import Request
 from explicable.model.task import State
 from explicable.model.team import TeamProblem
 from explicable.search import Outcome
@@ -25,12 +26,15 @@ class Situation:
         What is left of the plan that the team follows; empty if there is none that leads to the goal.
     state
         Where the game stands, in the truth of the game's setting.
+    request
+        What was last asked for and not yet got, if anything.
     """
 
     problem: TeamProblem
     past: Actions
     announced: Actions
     state: State
+    request: Request | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,95 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from explicable.execution import read_episode
+from explicable.labelling import read_traces
+
+MAP = "#######\n#@.x*.#\n#...*.#\n#######\n"
+
+
+def explicable(*arguments, answers="", **options):
+    command = [sys.executable, "-c", "from explicable.cli import main; main()", *map(str, arguments)]
+    return subprocess.run(
+        command, input=answers, capture_output=True, text=True, timeout=60, check=False, **options
+    )
+
+
+@pytest.fixture
+def map_file(tmp_path):
+    path = tmp_path / "small.map"
+    path.write_text(MAP)
+    return path
+
+
+def test_a_whole_game_through_a_pipe_is_played_recorded_replayed_and_learnt_from(map_file, tmp_path):
+    game, svg, traces = tmp_path / "game.jsonl", tmp_path / "game.svg", tmp_path / "traces.jsonl"
+    played = explicable("play", map_file, "-o", game, answers="q\nb\n" + "y\nn\n" * 3 + "a\n" + "y\n" * 10)
+    assert played.returncode == 0, played.stderr
+    assert "no such room; there are A, B" in played.stdout
+    assert "goal reached" in played.stdout
+    assert "x" not in played.stdout.split("Which")[0]  # the person sees the floor plan from before
+    recorded = read_episode(game)
+    assert recorded.trace.origin == "person"
+    assert recorded.trace.steps[0].action == ("command", "person", "c-2-4")
+    assert [step.label for step in recorded.trace.steps[1:4]] == [True, False, True]
+    replayed = explicable("replay", game, "--svg", svg, "--trace", traces)
+    assert replayed.returncode == 0, replayed.stderr
+    assert "makes no sense" in replayed.stdout
+    assert svg.read_text().startswith("<svg")
+    assert "<animate" in svg.read_text()
+    assert read_traces(traces)[0].steps == recorded.trace.steps
+    assert json.loads(explicable("replay", game, "--json").stdout)["same"] is True
+
+
+@pytest.mark.parametrize("strategy", ["follower", "nearest", "ff"])
+def test_a_person_who_leaves_ends_the_game_which_is_still_on_record(map_file, tmp_path, strategy):
+    game = tmp_path / "game.jsonl"
+    played = explicable(
+        "play", map_file, "--strategy", strategy, "--semantics", "exclusive", "-o", game, answers="a\ny\n"
+    )
+    assert played.returncode == 0, played.stderr
+    assert "aborted" in played.stdout
+    assert read_episode(game).trace.notes["ending"] == "aborted"
+
+
+def test_a_new_command_can_take_the_place_of_an_answer(map_file, tmp_path):
+    game = tmp_path / "game.jsonl"
+    explicable("play", map_file, "--semantics", "exclusive", "-o", game, answers="a\nb\n" + "y\n" * 20)
+    steps = [step.action for step in read_episode(game).trace.steps]
+    assert [step[-1] for step in steps if step[0] == "command"][:2] == ["c-1-4", "c-2-4"]
+    assert read_episode(game).num_changes == 1
+
+
+def test_a_record_that_does_not_replay_says_so(map_file, tmp_path):
+    game = tmp_path / "game.jsonl"
+    explicable("play", map_file, "-o", game, answers="a\n")
+    game.write_text(game.read_text().replace('"digest": "', '"digest": "0'))
+    replayed = explicable("replay", game)
+    assert replayed.returncode == 3
+    assert "on record" in replayed.stderr
+    game.write_text("{}")
+    refused = explicable("replay", game)
+    assert (refused.returncode, refused.stdout) == (3, "")
+
+
+def test_ctrl_c_ends_the_game_which_is_still_on_record(map_file, tmp_path):
+    game = tmp_path / "game.jsonl"
+    command = [sys.executable, "-c", "from explicable.cli import main; main()", "play", map_file, "-o", game]
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
+    ) as playing:
+        deadline = time.monotonic() + 30
+        shown = b""
+        while b"Which room" not in shown and time.monotonic() < deadline:
+            shown += playing.stdout.read1()
+        playing.send_signal(signal.SIGINT)
+        playing.stdin.close()
+        assert playing.wait(30) == 130
+    assert read_episode(game).trace.notes["ending"] == "aborted"
