@@ -103,7 +103,25 @@ class ConflictError(PDDLError):
 
 
 class PlanError(InputError):
-    """A plan file is damaged, or its task refuses one of its steps."""
+    """A plan file is damaged, or its task refuses one of its steps.
+
+    Parameters
+    ----------
+    step
+        Number of the step that is refused, from 1.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        path: str | Path | None = None,
+        line: int | None = None,
+        column: int | None = None,
+        step: int | None = None,
+    ) -> None:
+        super().__init__(message, path=path, line=line, column=column)
+        self.step = step
 
 
 class MapError(InputError):

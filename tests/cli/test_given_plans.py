@@ -1,11 +1,15 @@
 """Commands on plans that are handed in: measure, rank, explain."""
 
+import contextlib
+import io
 import json
-import subprocess
-import sys
+import re
+from typing import NamedTuple
+from xml.etree import ElementTree as ET
 
 import pytest
 
+from explicable.cli import run
 from explicable.first_response.encoding import encode
 from explicable.first_response.world import parse_map
 from explicable.labelling import LabelledStep, Trace, problem_texts, write_traces
@@ -36,16 +40,17 @@ def place(tmp_path_factory):
 
 
 def explicable(place, *arguments):
-    done = subprocess.run(
-        [sys.executable, "-m", "explicable", *arguments],
-        capture_output=True,
-        text=True,
-        cwd=place,
-        timeout=120,
-        check=False,
-    )
-    assert "Traceback" not in done.stderr
-    return done
+    """Run a command in this process: the other files of this folder start real ones."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.chdir(place), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = run(list(arguments))
+    return Finished(code, out.getvalue(), err.getvalue())
+
+
+class Finished(NamedTuple):
+    returncode: int
+    stdout: str
+    stderr: str
 
 
 def test_measure_prints_what_the_function_finds(place):
@@ -80,7 +85,7 @@ def test_rank_orders_by_j_and_lists_what_is_no_plan_last(place):
     assert ranked[0]["objective"] <= ranked[1]["objective"]
     lines = explicable(place, "rank", "labeller.json", *TEAM, *plans, *HUMAN).stdout.splitlines()
     assert len(lines) == 3
-    assert lines[-1].startswith(" -  short.plan: no plan: step 2")
+    assert lines[-1].startswith(" -  short.plan:2: no plan: step 2")
 
 
 def test_human_steps_are_scored_where_traces_of_people_are_given(place):
@@ -143,24 +148,116 @@ def test_one_message_and_a_documented_exit_code(place, arguments, code, message)
     assert len(done.stderr.splitlines()) <= 4
 
 
-def test_front_lists_plans_and_chooses_by_budget(place):
-    options = ["--max-cost-increase", "0.5", "-o", "chosen.plan", "--json"]
+def test_front_lists_plans_and_chooses_by_budget(place, tmp_path):
+    options = ["--max-cost-increase", "50%", "-o", str(tmp_path / "front"), "--json"]
     done = explicable(place, "front", "labeller.json", *TEAM, *HUMAN, *options)
     assert done.returncode == 0, done.stderr
     record = json.loads(done.stdout)
     chosen = record["plans"][record["chosen"]]
     assert chosen["is_proved"]
     assert chosen["cost"] <= 1.5 * record["plans"][0]["cost"]
-    lines = (place / "chosen.plan").read_text().splitlines()
+    rows = [line.split(",") for line in (tmp_path / "front" / "front.csv").read_text().splitlines()]
+    assert rows[0][-2:] == ["chosen", "file"]
+    (row,) = (row for row in rows if row[-2] == "yes")
+    lines = (tmp_path / "front" / row[-1]).read_text().splitlines()
     assert lines == [*chosen["plan"], f"; cost = {chosen['cost']}"]
     text = explicable(place, "front", "labeller.json", *TEAM, *HUMAN)
-    assert len(text.stdout.splitlines()) == len(record["plans"])
-    assert text.stdout.startswith("cost = ")
+    assert len(text.stdout.splitlines()) == 1 + len(record["plans"]) == len(rows)
+    planned = explicable(
+        place, "plan", *TEAM, *HUMAN, "--labeller", "labeller.json", "--max-cost-increase", "50%", "--json"
+    )
+    assert json.loads(planned.stdout)["plan"] == chosen["plan"]
 
 
-def test_front_refuses_what_has_no_meaning(place):
-    for options in (["-o", "x.plan"], ["--max-cost-increase", "-1"], ["--max-alpha", "nan"]):
+def test_a_front_is_drawn_with_all_its_plans_and_prices(place, tmp_path):
+    for file in ("front.svg", "front.png"):
+        options = ["--max-cost-increase", "50%", "--plot", str(tmp_path / file), "--json"]
         done = explicable(place, "front", "labeller.json", *TEAM, *HUMAN, *options)
-        assert done.returncode == 2, done.stderr
-    done = explicable(place, "front", "labeller.json", *TEAM, *HUMAN, "--min-explicability", "1")
-    assert done.returncode == 5
+        assert done.returncode == 0, done.stderr
+    plans = json.loads(done.stdout)["plans"]
+    text = "".join(ET.parse(tmp_path / "front.svg").getroot().itertext())  # noqa: S314 (our own picture)
+    for number, plan in enumerate(plans, start=1):
+        assert f"plan {number}: E[F] = {plan['scores']['f_expected']:.2f}" in text
+        assert plan["alpha_to"] is None or f"{plan['alpha_to']:.2g}" in text
+    assert (tmp_path / "front.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_budgets_and_prices_without_meaning_are_refused(place):
+    front = ["front", "labeller.json", *TEAM, *HUMAN]
+    plan = ["plan", *TEAM, *HUMAN, "--labeller", "labeller.json"]
+    priced = (plan, ["tell", "labeller.json", *TEAM], ["rank", "labeller.json", *TEAM, "long.plan"])
+    for asked, options in (
+        (front, ["--max-cost-increase", "-1"]),
+        (front, ["--max-cost-increase", "ten"]),
+        (front, ["--max-alpha", "nan"]),
+        (front, ["--plot", "x.pdf"]),
+        (plan, ["--max-cost-increase", "inf"]),
+        (plan, ["--min-explicability", "110%"]),
+        (plan, ["--min-explicability", "0.5", "--alpha", "2"]),
+        (plan, ["--min-explicability", "0.5", "--planner", "ff"]),
+        (["plan", *TEAM], ["--min-explicability", "0.5"]),
+        *((asked, ["--alpha", price]) for price in ("-1", "inf", "nan") for asked in priced),
+    ):
+        done = explicable(place, *asked, *options)
+        assert done.returncode == 2, (asked, options, done.stderr)
+        assert done.stdout == ""
+    for asked in (front, plan):
+        done = explicable(place, *asked, "--min-explicability", "1")
+        assert done.returncode == 5
+        assert "budget" in done.stderr
+
+
+def on_the_floor(name, labeller, *human):
+    """The command line of a command that takes a labeller, and a plan if it needs one."""
+    plans = [] if name in {"front", "tell", "plan"} else ["long.plan"]
+    if name in {"measure", "plan"}:
+        return [name, *TEAM, *plans, "--labeller", labeller, *human]
+    return [name, labeller, *TEAM, *plans, *human]
+
+
+@pytest.mark.parametrize("name", ["label", "measure", "rank", "explain", "front", "tell", "plan"])
+def test_a_labeller_of_another_domain_is_refused_and_a_partly_known_one_warned_of(place, tmp_path, name):
+    for schemas, code in ((["fly", "land"], 3), (["move", "fly"], 0)):
+        labeller = judge_of_progress()
+        labeller.schemas = tuple(schemas)
+        file = tmp_path / f"{schemas[0]}.json"
+        labeller.save(file)
+        done = explicable(place, *on_the_floor(name, str(file), *HUMAN))
+        assert done.returncode == code, done.stderr
+        if code:
+            assert done.stderr.startswith(f"explicable: {file}: this labeller was trained on another domain")
+        else:
+            warned = "the labeller has never seen the action remove-obstacle"
+            assert f"explicable: warning: {file}: {warned}" in done.stderr
+
+
+@pytest.mark.parametrize("name", ["label", "measure", "rank", "explain", "front", "tell", "plan"])
+def test_a_human_model_without_a_way_to_the_goal_is_said_everywhere(place, tmp_path, name):
+    believed = (place / "human-problem.pddl").read_text()
+    (tmp_path / "h.pddl").write_text(re.sub(r"\(clear [^)]*\)", "", believed))
+    human = ["--human-domain", "human-domain.pddl", "--human-problem", str(tmp_path / "h.pddl")]
+    arguments = on_the_floor(name, "labeller.json", *human)
+    warned = explicable(place, *arguments)
+    assert warned.returncode == 0, warned.stderr
+    assert warned.stderr.startswith("explicable: warning: in the human model the goal can't be reached")
+    ignored = explicable(place, *arguments, "--ignore-human")
+    assert (ignored.returncode, ignored.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("name", ["label", "measure", "rank", "explain"])
+def test_messages_about_a_step_name_the_file_and_the_line(place, tmp_path, name):
+    plan = tmp_path / "odd.plan"
+    plan.write_text("; a comment\n\n" + format_plan([*LONG[:2], LONG[-1]], 3))
+    arguments = on_the_floor(name, "labeller.json", *HUMAN)
+    arguments[arguments.index("long.plan")] = str(plan)
+    done = explicable(place, *arguments)
+    assert done.returncode == 3
+    assert f"{plan}:5: " in done.stdout + done.stderr
+    assert "step 3, (visit-room r1 c-1-3), lacks (at r1 c-1-3)" in done.stdout + done.stderr
+
+
+def test_an_expected_plan_that_fails_is_named(place, tmp_path):
+    plan = tmp_path / "hoped.plan"
+    plan.write_text(format_plan([LONG[-1]], 1))
+    done = explicable(place, "measure", *TEAM, "long.plan", *HUMAN, "--expected", str(plan))
+    assert (done.returncode, done.stderr[: len(f"explicable: {plan}:1:")]) == (3, f"explicable: {plan}:1:")

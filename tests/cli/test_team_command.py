@@ -37,7 +37,8 @@ def test_agents_and_differences_are_listed():
 
 def test_all_conflicts_are_listed_and_every_other_command_names_one(tmp_path):
     (tmp_path / "h.pddl").write_text(
-        "(define (problem p) (:domain rover-survey)\n(:objects mesa - rock\nshale - view) (:init) (:goal (and)))"
+        "(define (problem p) (:domain rover-survey)\n"
+        "(:objects mesa - rock\nshale - view) (:init) (:goal (and)))"
     )
     human = ["--human-problem", tmp_path / "h.pddl"]
     listed = explicable("team", *FILES, *human)

@@ -13,8 +13,9 @@ from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.labeller import Labeller
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
-from explicable.planning import choose, front, plan_explicably
-from planning.floors import SCHEMAS, floor
+from explicable.planning import choose, front, plan_explicably, plan_within_budget
+from explicable.search import Outcome
+from planning.floors import SCHEMAS, floor, judge_of_progress
 
 # Two obstacles in the way: two more steps avoid the first, four more the second as well.
 MAZE = "########\n#@o.o.*#\n#...#..#\n###.#.##\n###...##\n########\n"
@@ -50,6 +51,48 @@ def test_at_every_alpha_the_front_holds_a_plan_of_least_objective(maze, plans):
         assert best.plan.cost + alpha * best.num_inexplicable == pytest.approx(min(values))
 
 
+def all_plans(task, max_steps):
+    """Every plan of up to so many steps that ends where it first reaches the goal."""
+    pending = [((), task.initial_state)]
+    while pending:
+        plan, state = pending.pop()
+        if task.is_goal(state):
+            yield plan
+        elif len(plan) < max_steps:
+            pending.extend(((*plan, o), task.successor(state, o)) for o in task.applicable(state))
+
+
+def judge_of_both(strength):
+    """Breaking an obstacle and leading away are inexplicable; like labels attract each other."""
+    judge = judge_of_progress(strength)
+    names = [*judge.model.feature_names_, "step: remove-obstacle"]
+    rows = [*judge.model.state_weights_.tolist(), [-2.0, 0.0]]
+    model = ConditionalRandomField.from_weights([True, False], names, rows, [[0.7, 0], [0, 0.7]])
+    return Labeller(model, schemas=SCHEMAS)
+
+
+@pytest.mark.parametrize(
+    ("text", "strength", "max_steps", "num_corners"),
+    [("@o*\n...\n", 0.5, 8, 3), ("@o*\n...\n", 1.5, 8, 2), ("@x*\n.o.\n...\n", 1.5, 9, 3)],
+)
+def test_the_front_is_that_of_all_plans(text, strength, max_steps, num_corners):
+    team, labeller = floor(text, "exclusive"), judge_of_both(strength)
+    points = set()
+    for operators in all_plans(team.task, max_steps):
+        scores = labeller.label(team, [team.task.action(o) for o in operators]).scores
+        points.add((len(operators), len(operators) * (1 - scores.f_expected)))
+    found = front(team, labeller, max_alpha=20.0, search_s=20.0)
+    assert len(found) == num_corners
+    assert all(corner.is_proved for corner in found)
+    for alpha in (*(10 ** (k / 10) for k in range(-30, 13)), *(corner.alpha_from for corner in found[1:])):
+        least = min(cost + alpha * count for cost, count in points)
+        assert min(corner.value(alpha) for corner in found) == pytest.approx(least, abs=1e-4)
+    best = {
+        min(points, key=lambda p, a=a: p[0] + a * p[1]) for a in (10 ** (k / 50) for k in range(-150, 60))
+    }
+    assert {corner.plan.cost for corner in found} == {cost for cost, _ in best}
+
+
 def test_costs_rise_and_inexplicable_steps_fall_along_the_front(plans):
     for left, right in itertools.pairwise(plans):
         assert left.plan.cost < right.plan.cost
@@ -66,6 +109,18 @@ def test_a_budget_chooses_from_the_front(plans):
     assert choose(plans, min_explicability=1.0) is None
     assert choose(plans, min_explicability=1.0, max_cost_increase=1.0) is None
     assert choose((), max_cost_increase=1.0) is None
+
+
+@pytest.mark.parametrize(
+    "budget", [{"max_cost_increase": 0.3}, {"min_explicability": 0.9}, {"max_cost_increase": 0.0}]
+)
+def test_planning_within_a_budget_is_choosing_from_the_front(maze, plans, budget):
+    chosen = choose(plans, **budget)
+    planned = plan_within_budget(*maze, max_alpha=20.0, **budget)
+    assert planned.plan.cost == chosen.plan.cost
+    assert (planned.alpha, planned.objective) == (chosen.alpha_from, chosen.value(chosen.alpha_from))
+    assert planned.lower_bound == planned.objective
+    assert plan_within_budget(*maze, min_explicability=1.0).outcome is Outcome.LIMIT
 
 
 @pytest.mark.parametrize(
@@ -93,4 +148,7 @@ def test_the_largest_alpha_must_be_a_price(maze, alpha):
 def test_no_plan_no_front():
     problem = encode(parse_map(MAZE))
     nowhere = replace(problem.robot, init=tuple(fact for fact in problem.robot.init if fact[0] != "at"))
-    assert front(ground_team(TeamProblem(nowhere, problem.human)), judge_of_breaking()) == ()
+    team = ground_team(TeamProblem(nowhere, problem.human))
+    assert front(team, judge_of_breaking()) == ()
+    within = plan_within_budget(team, judge_of_breaking(), max_cost_increase=0.1)
+    assert (within.plan, within.outcome) == (None, Outcome.UNSOLVABLE)

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
+from explicable.cli.files import (
+    INPUT_FILE,
+    OUTPUT_FILE,
+    TeamProblemPaths,
+    load_labeller,
+    naming_plan,
+    team_problem_arguments,
+)
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
@@ -45,20 +52,20 @@ def explain(
     as_json: bool,
 ) -> None:
     """Say of each step of PLAN whether it is expected; if not, why, and the least that would make it so."""
-    from explicable.labelling import Labeller
-    from explicable.model.grounding import ground_team
     from explicable.model.plan import read_plan
     from explicable.planning import explain as explain_plan
 
-    labeller = Labeller.load(labeller_file)
-    steps = explain_plan(
-        ground_team(paths.read()),
-        labeller,
-        read_plan(plan_file),
-        threshold=threshold,
-        max_told=max_told,
-        time_limit_s=time_limit,
-    )
+    team_task = paths.ground()
+    labeller = load_labeller(labeller_file, team_task.problem)
+    with naming_plan(plan_file):
+        steps = explain_plan(
+            team_task,
+            labeller,
+            read_plan(plan_file),
+            threshold=threshold,
+            max_told=max_told,
+            time_limit_s=time_limit,
+        )
     if as_json:
         click.echo(json.dumps({"steps": [describe_step(step) for step in steps]}))
     else:
@@ -115,14 +122,13 @@ def tell(
     What to tell stands in the plan as a comment, before the step at which it is due.
     """
     from explicable.cli.plan import exit_code
-    from explicable.labelling import Labeller
     from explicable.model.files import write_whole
-    from explicable.model.grounding import ground_team
     from explicable.planning import conform_or_explain
 
-    labeller = Labeller.load(labeller_file)
+    team_task = paths.ground()
+    labeller = load_labeller(labeller_file, team_task.problem)
     result = conform_or_explain(
-        ground_team(paths.read()),
+        team_task,
         labeller,
         alpha=alpha,
         telling_cost=telling_cost,

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from explicable.errors import InputError, TraceError
+from explicable.errors import InputError, LabellerError, PlanError, TraceError
+from explicable.model.plan import find_step
 from explicable.model.team import TeamProblem
 
 if TYPE_CHECKING:
-    from explicable.labelling import Trace
+    from explicable.labelling import Labeller, Trace
+    from explicable.model.team import TeamTask
 
 INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 OUTPUT_FILE = click.Path(dir_okay=False, path_type=Path)
@@ -34,11 +36,21 @@ def team_problem_arguments(command: Callable[..., Any]) -> Callable[..., Any]:
         type=INPUT_FILE,
         help="The problem as the person sees it. Default: PROBLEM.",
     )
+    @click.option(
+        "--ignore-human",
+        is_flag=True,
+        help="Take it that the person sees the task as it is; of their files only the humans' actions count.",
+    )
     @functools.wraps(command)
     def with_problem(
-        domain: Path, problem: Path, human_domain: Path | None, human_problem: Path | None, **options: Any
+        domain: Path,
+        problem: Path,
+        human_domain: Path | None,
+        human_problem: Path | None,
+        ignore_human: bool,
+        **options: Any,
     ) -> Any:
-        paths = TeamProblemPaths(domain, problem, human_domain, human_problem)
+        paths = TeamProblemPaths(domain, problem, human_domain, human_problem, ignore_human=ignore_human)
         return command(paths, **options)
 
     return with_problem
@@ -48,15 +60,69 @@ class TeamProblemPaths:
     """The files of a team problem, not yet read."""
 
     def __init__(
-        self, domain: Path, problem: Path, human_domain: Path | None, human_problem: Path | None
+        self,
+        domain: Path,
+        problem: Path,
+        human_domain: Path | None,
+        human_problem: Path | None,
+        *,
+        ignore_human: bool = False,
     ) -> None:
         self.paths = domain, problem, human_domain, human_problem
+        self.ignore_human = ignore_human
 
     def read(self) -> TeamProblem:
         """Read the robot's problem, and the human's if it was named; warnings go to standard error."""
         from explicable.pddl import read_team_problem
 
-        return read_team_problem(*self.paths, warn=_warn)
+        problem = read_team_problem(*self.paths, warn=_warn)
+        return TeamProblem(problem.composite) if self.ignore_human else problem
+
+    def ground(self) -> "TeamTask":
+        """Read and ground the problem; warn if the person can't see a way to the goal."""
+        from explicable.model.grounding import ground_team
+
+        return warn_of_hopeless(ground_team(self.read()))
+
+
+def warn_of_hopeless(team_task: "TeamTask") -> "TeamTask":
+    """Return the team task; warn if in the human model the goal can't be reached."""
+    if team_task.problem.human is not None and not team_task.mental.goal_reachable:
+        _warn(
+            "in the human model the goal can't be reached, so the person expects no plan;"
+            " --ignore-human goes on without that model"
+        )
+    return team_task
+
+
+def load_labeller(path: Path, problem: TeamProblem) -> "Labeller":
+    """Read a labeller for a problem; warn of actions that it has never seen.
+
+    Raises
+    ------
+    LabellerError
+        If the file is no labeller, or was trained on another domain; names the file.
+    """
+    from explicable.labelling import Labeller
+
+    labeller = Labeller.load(path)
+    with naming(path, LabellerError):
+        labeller.check_domain(problem)
+    for schema in labeller.unknown_schemas(problem):
+        _warn(f"{path}: the labeller has never seen the action {schema}: its labels are guesses")
+    return labeller
+
+
+@contextmanager
+def naming_plan(path: Path) -> Iterator[None]:
+    """Let errors about a step of a plan name the plan's file, and the line."""
+    try:
+        yield
+    except PlanError as error:
+        if error.path is None:
+            error.path = path
+            error.line = None if error.step is None else find_step(path, error.step)
+        raise
 
 
 @contextmanager

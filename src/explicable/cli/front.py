@@ -2,16 +2,20 @@
 
 import json
 import math
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from explicable.cli import EXIT_LIMIT
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
+from explicable.cli.budgets import Budget, budget_options
+from explicable.cli.files import INPUT_FILE, TeamProblemPaths, load_labeller, team_problem_arguments
 from explicable.model.plan import format_action, format_plan
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from explicable.planning import FrontPlan
 
 
@@ -26,53 +30,61 @@ if TYPE_CHECKING:
     show_default=True,
     help="Seconds for the search at one alpha.",
 )
+@click.option("--time-limit", type=click.FloatRange(min=0), help="Seconds for all searches.")
+@budget_options
 @click.option(
-    "--max-cost-increase",
-    type=float,
-    help="Choose the most explicable plan that exceeds the cheapest by no more than this share: 0.1 is 10 %.",
+    "-o",
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Folder for the table (front.csv) and the plans (plan-1.plan, ...).",
 )
-@click.option("--min-explicability", type=float, help="Choose a plan whose expected F is at least this.")
-@click.option("-o", "--output", type=OUTPUT_FILE, help="Write the chosen plan to this file.")
+@click.option(
+    "--plot",
+    "plot_file",
+    metavar="FILE",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw the front: an .svg or .png file. Needs `pip install explicable[evaluation]`.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def front(
     paths: TeamProblemPaths,
     labeller_file: Path,
     max_alpha: float,
     search_time: float,
-    max_cost_increase: float | None,
-    min_explicability: float | None,
+    time_limit: float | None,
+    budget: Budget | None,
     output: Path | None,
+    plot_file: Path | None,
     as_json: bool,
 ) -> int:
     """List the plans that are best at some price of an inexplicable step, the cheapest first.
 
     With a budget, mark the plan that it chooses. Exit code 5 if there is no plan, or none within the budget.
     """
-    from explicable.labelling import Labeller
-    from explicable.model.files import write_whole
-    from explicable.model.grounding import ground_team
     from explicable.planning import choose
     from explicable.planning import front as find_front
 
-    has_budget = max_cost_increase is not None or min_explicability is not None
-    if output is not None and not has_budget:
-        raise click.UsageError("--output needs --max-cost-increase or --min-explicability, to choose a plan")
-    if has_budget:  # refused before the searches
-        choose((), max_cost_increase=max_cost_increase, min_explicability=min_explicability)
-    labeller = Labeller.load(labeller_file)
-    plans = find_front(ground_team(paths.read()), labeller, max_alpha=max_alpha, search_s=search_time)
-    chosen = None
-    if has_budget:
-        chosen = choose(plans, max_cost_increase=max_cost_increase, min_explicability=min_explicability)
-    if output is not None and chosen is not None:
-        write_whole(output, format_plan(chosen.plan.actions, chosen.plan.cost))
+    if plot_file is not None and plot_file.suffix not in {".svg", ".png"}:
+        raise click.UsageError("--plot draws .svg or .png files")
+    if plot_file is not None and find_spec("matplotlib") is None:
+        raise click.UsageError("--plot needs matplotlib: pip install 'explicable[evaluation]'")
+    team_task = paths.ground()
+    labeller = load_labeller(labeller_file, team_task.problem)
+    plans = find_front(
+        team_task, labeller, max_alpha=max_alpha, search_s=search_time, time_limit_s=time_limit
+    )
+    chosen = choose(plans, **budget) if budget is not None else None
+    number = next((number for number, found in enumerate(plans) if found is chosen), None)
+    records = [describe(found) for found in plans]
+    if output is not None:
+        _write_files(output, plans, number)
+    if plot_file is not None and plans:
+        _write_plot(plot_file, plans, chosen)
     if as_json:
-        number = next((number for number, found in enumerate(plans) if found is chosen), None)
-        click.echo(json.dumps({"plans": [describe(found) for found in plans], "chosen": number}))
-    else:
-        for found in plans:
-            click.echo(_line(found) + ("  chosen" if found is chosen else ""))
-    if not plans or (has_budget and chosen is None):
+        click.echo(json.dumps({"plans": records, "chosen": number}))
+    elif plans:
+        click.echo(_table(plans, number), nl=False)
+    if not plans or (budget is not None and chosen is None):
         click.echo("no plan keeps to the budget" if plans else "no plan", err=True)
         return EXIT_LIMIT
     return 0
@@ -91,10 +103,46 @@ def describe(found: "FrontPlan") -> dict[str, Any]:
     }
 
 
-def _line(found: "FrontPlan") -> str:
-    to = "" if math.isinf(found.alpha_to) else f" to {found.alpha_to:.3g}"
-    proved = "" if found.is_proved else "  (not proved best)"
+def _row(number: int, found: "FrontPlan") -> tuple[str, ...]:
+    end = "" if math.isinf(found.alpha_to) else f"{found.alpha_to:.4g}"
     return (
-        f"cost = {found.plan.cost}  E[inexplicable] = {found.num_inexplicable:.3f}"
-        f"  E[F] = {found.explicability:.3f}  best for alpha from {found.alpha_from:.3g}{to}{proved}"
+        str(number),
+        str(found.plan.cost),
+        str(len(found.plan)),
+        f"{found.num_inexplicable:.3f}",
+        f"{found.explicability:.3f}",
+        f"{found.alpha_from:.4g}",
+        end,
+        "yes" if found.is_proved else "no",
     )
+
+
+_HEADINGS = ("plan", "cost", "steps", "E[inexplicable]", "E[F]", "alpha from", "to", "proved")
+
+
+def _table(plans: "Sequence[FrontPlan]", chosen: int | None) -> str:
+    rows = [_HEADINGS, *(_row(number, found) for number, found in enumerate(plans, start=1))]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(map(str.rjust, row, widths)) for row in rows]
+    if chosen is not None:
+        lines[1 + chosen] += "  chosen"
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _write_files(folder: Path, plans: "Sequence[FrontPlan]", chosen: int | None) -> None:
+    from explicable.model.files import write_whole
+
+    lines = [",".join((*_HEADINGS, "chosen", "file"))]
+    for number, found in enumerate(plans):
+        name = f"plan-{number + 1}.plan"
+        write_whole(folder / name, format_plan(found.plan.actions, found.plan.cost))
+        lines.append(",".join((*_row(number + 1, found), "yes" if number == chosen else "no", name)))
+    write_whole(folder / "front.csv", "".join(f"{line}\n" for line in lines))
+
+
+def _write_plot(path: Path, plans: "Sequence[FrontPlan]", chosen: "FrontPlan | None") -> None:
+    from explicable.evaluation.plots import plot_front, to_png, to_svg
+    from explicable.model.files import write_whole
+
+    make = to_svg if path.suffix == ".svg" else to_png
+    write_whole(path, make(lambda axes: plot_front(plans, axes, chosen=chosen)))

@@ -11,11 +11,11 @@ from explicable.cli.files import (
     INPUT_FILE,
     OUTPUT_FILE,
     TeamProblemPaths,
-    naming,
+    load_labeller,
+    naming_plan,
     read_labelled_traces,
     team_problem_arguments,
 )
-from explicable.errors import LabellerError, PlanError
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
@@ -61,18 +61,12 @@ def label(
     paths: TeamProblemPaths, labeller_file: Path, plan_file: Path, explain: bool, as_json: bool
 ) -> None:
     """Say how explicable each step of PLAN is, and the plan's scores in all variants."""
-    from explicable.labelling import Labeller
-    from explicable.model.grounding import ground_team
     from explicable.model.plan import read_plan
 
-    labeller = Labeller.load(labeller_file)
-    problem = paths.read()
-    with naming(plan_file, PlanError), naming(labeller_file, LabellerError):
-        labelled = labeller.label(ground_team(problem), read_plan(plan_file))
-    for schema in labeller.unknown_schemas(problem):
-        click.echo(
-            f"explicable: warning: the labeller has never seen a {schema}: its labels are guesses", err=True
-        )
+    team_task = paths.ground()
+    labeller = load_labeller(labeller_file, team_task.problem)
+    with naming_plan(plan_file):
+        labelled = labeller.label(team_task, read_plan(plan_file))
     reasons = labeller.explain(labelled) if explain else None
     if as_json:
         click.echo(json.dumps(describe(labelled, reasons)))

@@ -2,14 +2,21 @@
 
 import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from explicable.cli import EXIT_BAD_INPUT
-from explicable.cli.files import INPUT_FILE, TeamProblemPaths, team_problem_arguments
-from explicable.model.plan import format_action, parse_plan
+from explicable.cli.files import (
+    INPUT_FILE,
+    TeamProblemPaths,
+    load_labeller,
+    naming_plan,
+    team_problem_arguments,
+)
+from explicable.model.plan import find_step, format_action, parse_plan
 
 if TYPE_CHECKING:
     from explicable.planning import HumanModel, Measures, RankedPlan
@@ -75,25 +82,26 @@ def measure(
     as_json: bool,
 ) -> None:
     """Measure PLAN: how explicable, how far from what is expected, how dear, how surprising it is."""
-    from explicable.model.grounding import ground_team
     from explicable.model.plan import read_plan
     from explicable.planning import measure as measure_plan
 
-    labeller = None
-    if labeller_file is not None:
-        from explicable.labelling import Labeller
-
-        labeller = Labeller.load(labeller_file)
-    measures = measure_plan(
-        ground_team(paths.read()),
-        read_plan(plan_file),
-        labeller,
-        [read_plan(path) for path in expected_files],
-        human_model=_read_human_model(people_file),
-        alternative_goals=[parse_plan(text.replace(")", ")\n"), "--other-goal") for text in other_goals],
-        temperature=temperature,
-        time_limit_s=time_limit,
-    )
+    team_task = paths.ground()
+    labeller = None if labeller_file is None else load_labeller(labeller_file, team_task.problem)
+    expected_plans = [read_plan(path) for path in expected_files]
+    for path, plan in zip(expected_files, expected_plans, strict=True):
+        with naming_plan(path):
+            team_task.mental.execute(plan)
+    with naming_plan(plan_file):
+        measures = measure_plan(
+            team_task,
+            read_plan(plan_file),
+            labeller,
+            expected_plans,
+            human_model=_read_human_model(people_file),
+            alternative_goals=[parse_plan(text.replace(")", ")\n"), "--other-goal") for text in other_goals],
+            temperature=temperature,
+            time_limit_s=time_limit,
+        )
     record = describe_measures(measures)
     if as_json:
         click.echo(json.dumps(record))
@@ -156,18 +164,20 @@ def rank(
 
     What is no plan of the task comes last, with the reason. Exit code 3 if none is.
     """
-    from explicable.labelling import Labeller
-    from explicable.model.grounding import ground_team
     from explicable.model.plan import read_plan
     from explicable.planning import check_alpha
     from explicable.planning import rank as rank_plans
 
     check_alpha(alpha)
-    labeller = Labeller.load(labeller_file)
+    team_task = paths.ground()
+    labeller = load_labeller(labeller_file, team_task.problem)
     plans = [read_plan(path) for path in plan_files]
     human_model = _read_human_model(people_file)
-    ranked = rank_plans(ground_team(paths.read()), labeller, plans, alpha, human_model=human_model)
-    records = [{"file": str(plan_files[plan.number]), **describe_ranked(plan)} for plan in ranked]
+    ranked = rank_plans(team_task, labeller, plans, alpha, human_model=human_model)
+    records = [
+        {"file": str(plan_files[plan.number]), "line": _line_of(plan, plan_files), **describe_ranked(plan)}
+        for plan in ranked
+    ]
     if as_json:
         click.echo(json.dumps({"alpha": alpha, "plans": records}))
     else:
@@ -188,9 +198,14 @@ def describe_ranked(plan: "RankedPlan") -> dict[str, Any]:
     }
 
 
+def _line_of(plan: "RankedPlan", files: Sequence[Path]) -> int | None:
+    return None if plan.failing_step is None else find_step(files[plan.number], plan.failing_step)
+
+
 def _ranked_line(place: int, record: dict[str, Any]) -> str:
     if record["objection"] is not None:
-        return f" -  {record['file']}: no plan: {record['objection']}"
+        line = "" if record["line"] is None else f":{record['line']}"
+        return f" -  {record['file']}{line}: no plan: {record['objection']}"
     expected = record["scores"]["f_expected"]
     f = "" if expected is None else f"  E[F] = {expected:.3f}"
     if record["f_human"] is not None:

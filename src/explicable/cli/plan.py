@@ -7,10 +7,17 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import click
 
 from explicable.cli import EXIT_INTERRUPTED, EXIT_LIMIT, EXIT_UNSOLVABLE
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
+from explicable.cli.budgets import Budget, budget_options
+from explicable.cli.files import (
+    INPUT_FILE,
+    OUTPUT_FILE,
+    TeamProblemPaths,
+    load_labeller,
+    team_problem_arguments,
+    warn_of_hopeless,
+)
 
 if TYPE_CHECKING:
-    from explicable.model.team import TeamTask
     from explicable.planning import TeamPlan, ToldPlan
     from explicable.search import Algorithm
 
@@ -35,14 +42,14 @@ SCORES = ("f_paper", "f_robot", "f_expected")
     show_default=True,
     help="paper: Eq. 4 in hill-climbing, the most probable labels, and the first plan is the answer.",
 )
-@click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
+@click.option("--alpha", type=float, help="Price of one inexplicable step in the unit of cost. Default: 1.")
+@budget_options
 @click.option(
     "--search",
     "algorithm",
     type=click.Choice(["default", "ff", "lazy", "eager", "bfws", "astar", "wastar", "anytime"]),
     help="Search algorithm (docs/planning.md). Default: the best known for the planner.",
 )
-@click.option("--ignore-human", is_flag=True, help="Plan as if the person saw the task as it is.")
 @click.option("--time-limit", type=click.FloatRange(min=0), help="Seconds that the search may take.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Breaks ties.")
 @click.option("-o", "--output", type=OUTPUT_FILE, help="Write the plan to this file.")
@@ -52,9 +59,9 @@ def plan(
     labeller_file: Path | None,
     planner: str | None,
     mode: str,
-    alpha: float,
+    alpha: float | None,
+    budget: Budget | None,
     algorithm: "Algorithm | None",
-    ignore_human: bool,
     time_limit: float | None,
     seed: int,
     output: Path | None,
@@ -68,65 +75,64 @@ def plan(
     from explicable.model.files import write_whole
     from explicable.model.grounding import ground_team
     from explicable.model.plan import format_plan
-    from explicable.model.team import TeamProblem
-    from explicable.planning import check_alpha, plan_as_in_paper, plan_classically, plan_explicably
+    from explicable.planning import (
+        check_alpha,
+        plan_as_in_paper,
+        plan_classically,
+        plan_explicably,
+        plan_within_budget,
+    )
 
-    check_alpha(alpha)
+    check_alpha(1.0 if alpha is None else alpha)
+    is_plain = labeller_file is None or planner == "ff"
     if planner == "explicable" and labeller_file is None:
         raise click.UsageError(
             "explicable planning needs a labeller: --labeller FILE (see `explicable train`)"
         )
-    if mode == "paper" and (labeller_file is None or planner == "ff" or algorithm is not None):
+    if mode == "paper" and (is_plain or algorithm is not None):
         raise click.UsageError("--mode paper plans with a labeller, and settles the search itself")
-    labeller = None
-    if labeller_file is not None:
-        from explicable.labelling import Labeller
-
-        labeller = Labeller.load(labeller_file)
-
+    if budget is not None and (is_plain or mode == "paper" or alpha is not None or algorithm is not None):
+        raise click.UsageError(
+            "a budget takes the place of --alpha: it needs a labeller, and settles mode and search itself"
+        )
     started = time.perf_counter()
     problem = paths.read()
-    if ignore_human:
-        problem = TeamProblem(problem.composite)
     read = time.perf_counter()
-    team_task = ground_team(problem)
+    labeller = None if labeller_file is None else load_labeller(labeller_file, problem)
+    loaded = time.perf_counter()
+    team_task = warn_of_hopeless(ground_team(problem))
     grounded = time.perf_counter()
-    _warn_of_hopeless_mental_model(team_task)
     limits: _Limits = {"time_limit_s": time_limit, "seed": seed}
-    if labeller is None or planner == "ff":
+    if labeller is None or is_plain:
         result = plan_classically(team_task, labeller=labeller, algorithm=algorithm or "default", **limits)
     elif mode == "paper":
         result = plan_as_in_paper(team_task, labeller, **limits)
+    elif budget is not None:
+        result = plan_within_budget(team_task, labeller, **budget, **limits)
     else:
-        result = plan_explicably(team_task, labeller, alpha=alpha, algorithm=algorithm or "default", **limits)
+        price = 1.0 if alpha is None else alpha
+        result = plan_explicably(team_task, labeller, alpha=price, algorithm=algorithm or "default", **limits)
     text = format_plan(result.plan.actions, result.plan.cost) if result.plan else None
     if output and text:
         write_whole(output, text)
     if as_json:
         import json
 
-        times = {"read_s": read - started, "ground_s": grounded - read, "search_s": result.search_s}
+        times = {"read_s": read - started, "ground_s": grounded - loaded, "search_s": result.search_s}
         click.echo(json.dumps(describe(result, times)))
     elif text:
         if not output:
             click.echo(text, nl=False)
     else:
-        click.echo(f"no plan: {result.outcome.value}", err=True)
+        is_cut = budget is not None and result.outcome.value == "limit reached"
+        reason = "none found that keeps to the budget" if is_cut else result.outcome.value
+        click.echo(f"no plan: {reason}", err=True)
     return exit_code(result)
 
 
 class _Limits(TypedDict):
     time_limit_s: float | None
     seed: int
-
-
-def _warn_of_hopeless_mental_model(team_task: "TeamTask") -> None:
-    if team_task.problem.human is not None and not team_task.mental.goal_reachable:
-        click.echo(
-            "explicable: warning: in the human model the goal can't be reached, so the person expects no"
-            " plan; --ignore-human plans without that model",
-            err=True,
-        )
 
 
 def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:
@@ -139,6 +145,7 @@ def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:
         "plan": None if result.plan is None else [format_action(step.action) for step in result.plan.steps],
         "agents": None if result.plan is None else [step.agent for step in result.plan.steps],
         "cost": None if result.plan is None else result.plan.cost,
+        "alpha": result.alpha,
         "objective": result.objective,
         "lower_bound": result.lower_bound if result.lower_bound < float("inf") else None,
         "scores": scores,

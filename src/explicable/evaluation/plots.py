@@ -6,12 +6,15 @@ be read in grey and by colour-blind readers.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from explicable.evaluation.statistics import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from explicable.planning import FrontPlan
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -48,6 +51,22 @@ def to_svg(draw: "Callable[[Axes], None]", *, width: float = 6.4, height: float 
     >>> to_svg(lambda axes: axes.set_title("Nothing"))[:4]
     '<svg'
     """
+    text = _draw(draw, "svg", width, height).decode()
+    return text[text.index("<svg") :]
+
+
+def to_png(draw: "Callable[[Axes], None]", *, width: float = 6.4, height: float = 3.6) -> bytes:
+    r"""Draw on fresh axes and return the picture as a PNG file's content, at 200 dots an inch.
+
+    Examples
+    --------
+    >>> to_png(lambda axes: axes.set_title("Nothing"))[:4]
+    b'\x89PNG'
+    """
+    return _draw(draw, "png", width, height)
+
+
+def _draw(draw: "Callable[[Axes], None]", kind: str, width: float, height: float) -> bytes:
     import io
 
     import matplotlib as mpl
@@ -56,10 +75,55 @@ def to_svg(draw: "Callable[[Axes], None]", *, width: float = 6.4, height: float 
     with mpl.rc_context(_STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         draw(figure.subplots())
-        stream = io.StringIO()
-        figure.savefig(stream, format="svg", metadata={"Date": None})
-    text = stream.getvalue()
-    return text[text.index("<svg") :]
+        stream = io.BytesIO()
+        figure.savefig(stream, format=kind, dpi=200, metadata={"Date": None} if kind == "svg" else None)
+    return stream.getvalue()
+
+
+def plot_front(plans: "Sequence[FrontPlan]", axes: "Axes", *, chosen: "FrontPlan | None" = None) -> None:
+    """Plot a front: what the plans cost, and how many of their steps are expected to be inexplicable.
+
+    Each plan has its number and E[F]; between neighbours stands the alpha at which both are as good.
+    A plan that is not proved best is hollow, the one that a budget chose has a ring.
+
+    Parameters
+    ----------
+    plans
+        As `explicable.planning.front` gives them.
+    chosen
+        The plan that was chosen, if one was.
+    """
+    costs = [found.plan.cost for found in plans]
+    counts = [found.num_inexplicable for found in plans]
+    axes.plot(costs, counts, color="#777777", linewidth=1.2, zorder=1)
+    for number, found in enumerate(plans, start=1):
+        place = (found.plan.cost, found.num_inexplicable)
+        face = COLOURS[0] if found.is_proved else "white"
+        axes.plot(*place, marker="o", markersize=8, color=COLOURS[0], markerfacecolor=face, zorder=2)
+        if found is chosen:
+            axes.plot(*place, marker="o", markersize=15, color="black", markerfacecolor="none", zorder=2)
+        text = f"plan {number}: E[F] = {found.explicability:.2f}"
+        axes.annotate(text, place, xytext=(9, 7), textcoords="offset points")
+    for left, right in pairwise(plans):
+        middle = (
+            (left.plan.cost + right.plan.cost) / 2,
+            (left.num_inexplicable + right.num_inexplicable) / 2,
+        )
+        axes.annotate(
+            f"\N{GREEK SMALL LETTER ALPHA} = {left.alpha_to:.2g}",
+            middle,
+            xytext=(-7, -5),
+            textcoords="offset points",
+            ha="right",
+            va="top",
+            color="#444444",
+            fontstyle="italic",
+        )
+    axes.margins(x=0.25, y=0.2)
+    axes.set_ylim(bottom=min(0.0, *axes.get_ylim()))
+    axes.locator_params(axis="x", integer=True)
+    axes.set_xlabel("cost of the plan")
+    axes.set_ylabel("expected number of inexplicable steps")
 
 
 def plot_intervals(

@@ -311,15 +311,24 @@ class Labeller:
         names = _robot_schemas(problem)
         return tuple(name for name in names if name not in self.schemas)
 
-    def _features(self, team: TeamTask | TeamFeatures) -> TeamFeatures:
-        features = team if isinstance(team, TeamFeatures) else TeamFeatures(team)
-        problem = features.team.problem
+    def check_domain(self, problem: TeamProblem) -> None:
+        """Refuse a problem of which this labeller knows none of the robots' action schemas.
+
+        Raises
+        ------
+        LabellerError
+            If it was trained on another domain.
+        """
         names = _robot_schemas(problem)
         if names and len(self.unknown_schemas(problem)) == len(names):
             raise LabellerError(
                 "this labeller was trained on another domain: "
                 f"it knows {', '.join(self.schemas) or 'nothing'}, but robots here can {', '.join(names)}"
             )
+
+    def _features(self, team: TeamTask | TeamFeatures) -> TeamFeatures:
+        features = team if isinstance(team, TeamFeatures) else TeamFeatures(team)
+        self.check_domain(features.team.problem)
         return features
 
     @cached_property

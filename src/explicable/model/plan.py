@@ -1,7 +1,7 @@
 """Joint plans: steps that each belong to one agent, and the planning competition's plan format."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -91,8 +91,20 @@ def parse_plan(text: str, path: str | Path | None = None) -> tuple[GroundAtom, .
     >>> parse_plan("(move r1 a b)\n; cost = 1 (unit cost)\n")
     (('move', 'r1', 'a', 'b'),)
     """
-    lines = ((number, line.split(";", 1)[0]) for number, line in enumerate(text.splitlines(), start=1))
-    return tuple(parse_action(line, path, number) for number, line in lines if line.strip())
+    return tuple(parse_action(line, path, number) for number, line in _step_lines(text))
+
+
+def find_step(path: str | Path, step: int) -> int | None:
+    """Give the line of a plan file, from 1, in which a step stands, from 1; None if there is no such step."""
+    lines = [number for number, _ in _step_lines(Path(path).read_text(encoding="utf-8-sig"))]
+    return lines[step - 1] if 1 <= step <= len(lines) else None
+
+
+def _step_lines(text: str) -> Iterator[tuple[int, str]]:
+    for number, line in enumerate(text.splitlines(), start=1):
+        step = line.split(";", 1)[0]
+        if step.strip():
+            yield number, step
 
 
 def read_plan(path: str | Path) -> tuple[GroundAtom, ...]:

@@ -194,7 +194,8 @@ class Task:
             possible = [o for o in self.operators_of(action) if self.is_applicable(states[-1], o)]
             if not possible:
                 text = " ".join(action)
-                raise PlanError(f"step {number}, ({text}), {self._objection(action, states[-1])}")
+                objection = self._objection(action, states[-1])
+                raise PlanError(f"step {number}, ({text}), {objection}", step=number)
             operators.append(possible[0])
             states.append(self.successor(states[-1], possible[0]))
         return Execution(tuple(operators), tuple(states), sum(map(self.cost, operators)))

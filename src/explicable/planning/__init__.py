@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from explicable.planning.explanation import Finding, StepExplanation, explain
     from explicable.planning.makespan import ScheduledPlan, plan_schedule
     from explicable.planning.measures import Measures, measure
-    from explicable.planning.pareto import FrontPlan, choose, front
+    from explicable.planning.pareto import FrontPlan, choose, front, plan_within_budget
     from explicable.planning.planner import (
         TeamPlan,
         check_alpha,
@@ -55,6 +55,7 @@ _HOMES = {
     "plan_classically": "planner",
     "plan_explicably": "planner",
     "plan_schedule": "makespan",
+    "plan_within_budget": "pareto",
     "rank": "ranking",
 }
 
@@ -86,6 +87,7 @@ __all__ = [
     "plan_classically",
     "plan_explicably",
     "plan_schedule",
+    "plan_within_budget",
     "rank",
 ]
 

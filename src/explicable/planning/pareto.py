@@ -7,6 +7,7 @@ between them (Aneja & Nair, "Bicriteria transportation problem", Management Scie
 """
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -15,10 +16,12 @@ from typing import TYPE_CHECKING
 from explicable.errors import UsageError
 from explicable.model.plan import JointPlan
 from explicable.model.team import TeamTask
-from explicable.planning.planner import check_alpha, plan_explicably
+from explicable.planning.planner import TeamPlan, check_alpha, plan_classically, plan_explicably
+from explicable.search import Outcome
 
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan, Labeller
+    from explicable.model.problem import GroundAtom
 
 SMALLEST_ALPHA = 1e-4
 """Stands for 0: so that of all cheapest plans the most explicable is taken."""
@@ -42,7 +45,8 @@ class FrontPlan:
         Where it is best, in the unit of cost; the last plan's end is infinite, though no alpha above the
         largest was looked at.
     is_proved
-        Whether it is proved that no plan is better at the alpha at which it was found.
+        Whether it is proved that nowhere in that range a plan is better, up to the largest alpha that was
+        looked at. If all are, the front is complete.
     """
 
     plan: JointPlan
@@ -57,6 +61,10 @@ class FrontPlan:
         """``E[F]``, the expected share of explicable steps; 1 for a plan without steps."""
         return 1.0 - self.num_inexplicable / max(len(self.plan), 1)
 
+    def value(self, alpha: float) -> float:
+        """``J`` at an alpha."""
+        return self.plan.cost + alpha * self.num_inexplicable
+
 
 def front(
     team_task: TeamTask,
@@ -64,6 +72,7 @@ def front(
     *,
     max_alpha: float = 10.0,
     search_s: float = 1.0,
+    time_limit_s: float | None = None,
     seed: int = 0,
 ) -> tuple[FrontPlan, ...]:
     """Find all plans that have the least ``J`` for some alpha from 0 to `max_alpha`, the cheapest first.
@@ -74,6 +83,8 @@ def front(
         The largest price of an inexplicable step to look at, in the unit of cost.
     search_s
         Seconds for each of the searches, of which there are about two a plan.
+    time_limit_s
+        Seconds for all of them; what is found by then is given.
 
     Returns
     -------
@@ -97,36 +108,172 @@ def front(
     >>> [(found.plan.cost, found.alpha_to) for found in front(ground_team(encode(World((".@*",)))), labeller)]
     [(3, inf)]
     """
+    return _search(team_task, labeller, max_alpha, search_s, time_limit_s, seed).front()
+
+
+def plan_within_budget(
+    team_task: TeamTask,
+    labeller: "Labeller",
+    *,
+    max_cost_increase: float | None = None,
+    min_explicability: float | None = None,
+    max_alpha: float = 10.0,
+    search_s: float = 1.0,
+    time_limit_s: float | None = None,
+    seed: int = 0,
+) -> TeamPlan:
+    """Plan explicably with a budget in the place of alpha: `front`, then `choose`.
+
+    Parameters
+    ----------
+    max_cost_increase, min_explicability
+        As of `choose`: 0.1 for at most 10 % dearer than the cheapest, 0.9 for an expected F of at least 0.9.
+    max_alpha, search_s, time_limit_s
+        As of `front`.
+
+    Returns
+    -------
+    TeamPlan
+        Its ``alpha`` is the least at which the plan is best. If no plan keeps to the budget, ``plan`` is None
+        and ``outcome`` is that of the search for any plan, or "limit reached".
+
+    Raises
+    ------
+    UsageError
+        As `front` and `choose`.
+
+    Examples
+    --------
+    >>> from explicable.first_response.encoding import encode
+    >>> from explicable.first_response.world import World
+    >>> from explicable.labelling.crf import ConditionalRandomField
+    >>> from explicable.labelling.labeller import Labeller
+    >>> from explicable.model.grounding import ground_team
+    >>> weights = ["step: move"], [[-5.0, 0.0]], [[0, 0], [0, 0]]
+    >>> labeller = Labeller(ConditionalRandomField.from_weights([True, False], *weights), schemas=["move"])
+    >>> plan_within_budget(ground_team(encode(World((".@*",)))), labeller, max_cost_increase=0.1).plan.cost
+    3
+    """
+    choose((), max_cost_increase=max_cost_increase, min_explicability=min_explicability)  # refused at once
+    pool = _search(team_task, labeller, max_alpha, search_s, time_limit_s, seed)
+    plans = pool.front()
+    chosen = choose(plans, max_cost_increase=max_cost_increase, min_explicability=min_explicability)
+    if chosen is None:
+        outcome = Outcome.LIMIT if plans else pool.outcome
+        return TeamPlan(outcome, None, None, None, 0.0, pool.evaluations, pool.search_s)
+    objective = chosen.value(chosen.alpha_from)
+    return TeamPlan(
+        outcome=Outcome.SOLVED,
+        plan=chosen.plan,
+        labelled=chosen.labelled,
+        objective=objective,
+        lower_bound=objective if chosen.is_proved else 0.0,
+        evaluations=pool.evaluations,
+        search_s=pool.search_s,
+        alpha=chosen.alpha_from,
+    )
+
+
+def _search(
+    team_task: TeamTask,
+    labeller: "Labeller",
+    max_alpha: float,
+    search_s: float,
+    time_limit_s: float | None,
+    seed: int,
+) -> "_Pool":
+    """Look for plans at the alphas at which the front may have another corner."""
     if check_alpha(max_alpha) < SMALLEST_ALPHA:
         raise UsageError(f"the largest alpha must be at least {SMALLEST_ALPHA}, not {max_alpha}")
+    deadline = math.inf if time_limit_s is None else time.monotonic() + time_limit_s
+    pool = _Pool()
 
-    def solve(alpha: float) -> FrontPlan | None:
-        found = plan_explicably(team_task, labeller, alpha=alpha, improve_s=search_s, seed=seed)
-        if found.plan is None or found.labelled is None or found.objective is None:
-            return None
-        count = (
-            len(found.plan) * (1.0 - (found.labelled.scores.f_expected or 0.0)) if found.plan.steps else 0.0
+    def solve(alpha: float) -> None:
+        found = plan_explicably(
+            team_task,
+            labeller,
+            alpha=alpha,
+            improve_s=search_s,
+            time_limit_s=None if deadline == math.inf else max(0.0, deadline - time.monotonic()),
+            seed=seed,
         )
-        is_proved = found.objective - found.lower_bound <= _ROUNDING * found.objective
-        return FrontPlan(found.plan, found.labelled, count, 0.0, math.inf, is_proved)
+        pool.add(found, alpha)
 
-    cheapest, dearest = solve(SMALLEST_ALPHA), solve(max_alpha)
-    if cheapest is None or dearest is None:
-        return ()
-    corners = [cheapest]
-    pending = [dearest]  # the next corner, or one further on
-    while pending:
-        left, right = corners[-1], pending[-1]
-        if right.plan.cost <= left.plan.cost or right.num_inexplicable >= left.num_inexplicable - _ROUNDING:
-            pending.pop()  # no other corner, or one that a search out of time left worse
-            continue
-        alpha = _even(left, right)
-        between = solve(alpha)
-        if between is not None and _value(between, alpha) < _value(left, alpha) - _ROUNDING:
-            pending.append(between)
-        else:
-            corners.append(pending.pop())
-    return _with_ranges(corners)
+    pool.add(
+        plan_classically(team_task, labeller=labeller, algorithm="anytime", time_limit_s=search_s, seed=seed)
+    )
+    for alpha in (SMALLEST_ALPHA, max_alpha):
+        solve(alpha)
+    while time.monotonic() < deadline and (fresh := pool.unsettled(max_alpha)):
+        solve(fresh[0])
+    return pool
+
+
+class _Pool:
+    """All plans found so far, and what is proved of each alpha that was looked at."""
+
+    def __init__(self) -> None:
+        self.outcome = Outcome.LIMIT
+        self.evaluations = 0
+        self.search_s = 0.0
+        self._plans: dict[tuple[GroundAtom, ...], FrontPlan] = {}
+        self._bounds: dict[float, float] = {}  # by alpha
+
+    def add(self, found: TeamPlan, alpha: float | None = None) -> None:
+        """Take a search's plan and its bound of J at an alpha; without one nothing is known of J."""
+        self.outcome = found.outcome
+        self.evaluations += found.evaluations
+        self.search_s += found.search_s
+        if alpha is not None:
+            self._bounds[alpha] = found.lower_bound
+        if found.plan is not None and found.labelled is not None:
+            share = 1.0 if not found.plan.steps else found.labelled.scores.f_expected or 0.0
+            count = len(found.plan) * (1.0 - share)
+            self._plans[found.plan.actions] = FrontPlan(
+                found.plan, found.labelled, count, 0.0, math.inf, is_proved=False
+            )
+
+    def unsettled(self, max_alpha: float) -> list[float]:
+        """List the alphas at which two neighbours on the front are even, and which were not looked at."""
+        alphas = [even(left, right) for left, right in pairwise(self._corners())]
+        return [alpha for alpha in alphas if alpha <= max_alpha and alpha not in self._bounds]
+
+    def front(self) -> tuple[FrontPlan, ...]:
+        """Give the corners with the alphas at which they are best."""
+        corners = self._corners()
+        if not corners:
+            return ()
+        limits = [0.0, *(even(left, right) for left, right in pairwise(corners)), math.inf]
+        return tuple(
+            replace(
+                corner, alpha_from=lowest, alpha_to=highest, is_proved=self._is_best(corner, lowest, highest)
+            )
+            for corner, (lowest, highest) in zip(corners, pairwise(limits), strict=True)
+        )
+
+    def _is_best(self, corner: FrontPlan, lowest: float, highest: float) -> bool:
+        """Tell whether a plan is proved best at both ends of a range, as far as that was looked at.
+
+        The least J is concave in alpha and at most that of the plan, so what holds at the ends holds between.
+        """
+        ends = (max(lowest, min(self._bounds)), min(highest, max(self._bounds)))
+        return all(corner.value(end) <= self._bounds.get(end, -math.inf) + _ROUNDING for end in ends)
+
+    def _corners(self) -> list[FrontPlan]:
+        """Give the lower convex hull of the plans, the cheapest first (Andrew's monotone chain)."""
+        corners: list[FrontPlan] = []
+        for found in sorted(self._plans.values(), key=lambda one: (one.plan.cost, one.num_inexplicable)):
+            if corners and found.num_inexplicable >= corners[-1].num_inexplicable - _ROUNDING:
+                continue
+            while len(corners) > 1 and even(corners[-1], found) <= even(*corners[-2:]):
+                corners.pop()
+            corners.append(found)
+        return corners
+
+
+def even(left: FrontPlan, right: FrontPlan) -> float:
+    """Return the alpha at which a plan and a dearer, more explicable one have the same ``J``."""
+    return (right.plan.cost - left.plan.cost) / (left.num_inexplicable - right.num_inexplicable)
 
 
 def choose(
@@ -170,22 +317,4 @@ def choose(
         (found for found in fitting if found.plan.cost <= limit),
         key=lambda found: -found.num_inexplicable,
         default=None,
-    )
-
-
-def _value(found: FrontPlan, alpha: float) -> float:
-    return found.plan.cost + alpha * found.num_inexplicable
-
-
-def _even(left: FrontPlan, right: FrontPlan) -> float:
-    """Return the alpha at which both have the same ``J``."""
-    return (right.plan.cost - left.plan.cost) / (left.num_inexplicable - right.num_inexplicable)
-
-
-def _with_ranges(corners: list[FrontPlan]) -> tuple[FrontPlan, ...]:
-    changes = [_even(left, right) for left, right in pairwise(corners)]
-    limits = [0.0, *changes, math.inf]
-    return tuple(
-        replace(corner, alpha_from=limits[number], alpha_to=limits[number + 1])
-        for number, corner in enumerate(corners)
     )

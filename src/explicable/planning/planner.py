@@ -45,6 +45,8 @@ class TeamPlan:
         Number of states for which the heuristic was computed.
     search_s
         Seconds spent in search.
+    alpha
+        Price of one inexplicable step by which ``objective`` was reckoned.
     """
 
     outcome: Outcome
@@ -54,6 +56,7 @@ class TeamPlan:
     lower_bound: float
     evaluations: int
     search_s: float
+    alpha: float = 0.0
 
 
 def plan_classically(
@@ -199,6 +202,7 @@ def _team_plan(
         lower_bound=results[-1].lower_bound if best is None else min(results[-1].lower_bound, best),
         evaluations=sum(result.evaluations for result in results),
         search_s=sum(result.search_s for result in results),
+        alpha=alpha,
     )
 
 

@@ -31,6 +31,8 @@ class RankedPlan:
         How plausible its human steps are, if a model of the person's choices was given.
     objection
         Why it is none, or None.
+    failing_step
+        Number of the step that can't be executed, from 1, if that is why.
     """
 
     number: int
@@ -40,6 +42,7 @@ class RankedPlan:
     labelled: "LabelledPlan | None"
     predicted: "PredictedSteps | None"
     objection: str | None
+    failing_step: int | None = None
 
 
 def rank(
@@ -109,7 +112,7 @@ def _judge(
     try:
         execution = team_task.task.execute(actions)
     except PlanError as error:
-        return RankedPlan(number, actions, None, None, None, None, error.message)
+        return RankedPlan(number, actions, None, None, None, None, error.message, error.step)
     if not team_task.task.is_goal(execution.states[-1]):
         return RankedPlan(number, actions, None, None, None, None, "the plan does not reach the goal")
     labelled = labeller.label(features, actions)
