@@ -18,8 +18,6 @@ from explicable.study.folder import open_database, read_secret
 from explicable.study.security import MAX_BODY_BYTES
 from explicable.study.store import DATABASE, Store
 
-PASSWORD = "password"
-
 
 @pytest.fixture
 def study(tmp_path):
@@ -34,7 +32,7 @@ def client(study):
 
 
 def sign_in(client, password):
-    return client.post("/admin/login", data={PASSWORD: password}, follow_redirects=False)
+    return client.post("/admin/login", data={"password": password}, follow_redirects=False)
 
 
 def test_every_page_is_strict(client):

@@ -1,6 +1,7 @@
 """The participants' pages and their interface for scripts: HTTP in, `Conduct` asked, HTTP out."""
 
 import asyncio
+import threading
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -73,6 +74,7 @@ class Server:
     keys: Keys
     conduct: Conduct
     pages: Pages
+    closing: threading.Event
 
     async def write(self, job: Callable[[Transaction], T]) -> T:
         """Let a job run that may write; done when what it did is on the disk."""
@@ -110,7 +112,9 @@ class Server:
         return session
 
 
-def create_app(folder: Path, url: str, *, trusts_floods: bool = False) -> FastAPI:
+def create_app(
+    folder: Path, url: str, *, trusts_floods: bool = False, closing: threading.Event | None = None
+) -> FastAPI:
     """Make the web application of a study whose database exists.
 
     Parameters
@@ -121,6 +125,8 @@ def create_app(folder: Path, url: str, *, trusts_floods: bool = False) -> FastAP
         Of its database.
     trusts_floods
         Whether requests are not limited: for load tests, where all come from one machine.
+    closing
+        Set when the server is about to stop, which ends the streams to open pages.
     """
     from explicable.study import admin
     from explicable.study.folder import read_secret
@@ -129,7 +135,9 @@ def create_app(folder: Path, url: str, *, trusts_floods: bool = False) -> FastAP
     materials = read_materials(folder)
     store = Store(url)
     keys = Keys(store.read(read_secret))
-    server = Server(materials, store, keys, Conduct(materials), Pages(materials, keys))
+    server = Server(
+        materials, store, keys, Conduct(materials), Pages(materials, keys), closing or threading.Event()
+    )
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -308,7 +316,7 @@ def _script_routes(server: Server) -> APIRouter:
 async def _revisions(server: Server, request: HTTPRequest, session: str) -> AsyncIterator[str]:
     """Tell another tab when the session has gone on."""
     known = None
-    while not await request.is_disconnected():
+    while not server.closing.is_set() and not await request.is_disconnected():
         revision = await server.read(lambda tx: tx.revision(session))
         if revision is None:
             return

@@ -76,9 +76,7 @@ class Server:
     @contextmanager
     def in_background(self) -> Iterator[str]:
         """Serve from a thread of this process while the block runs; yields the link."""
-        import uvicorn
-
-        server = uvicorn.Server(self._config())
+        server = self._server()
         thread = threading.Thread(target=server.run, args=([self._socket],), daemon=True)
         thread.start()
         try:
@@ -94,26 +92,36 @@ class Server:
 
     def run(self) -> None:
         """Serve until interrupted."""
-        import uvicorn
         from uvicorn.supervisors import Multiprocess
 
-        config = self._config()
-        server = uvicorn.Server(config)
         try:
             if self._workers > 1:
-                Multiprocess(config, sockets=[self._socket]).run()
+                Multiprocess(self._config(), sockets=[self._socket]).run()
             else:
-                server.run(sockets=[self._socket])
+                self._server().run(sockets=[self._socket])
         except KeyboardInterrupt:
             pass  # that is how it is stopped
         finally:
             self._socket.close()
 
-    def _config(self) -> "uvicorn.Config":
+    def _server(self) -> "uvicorn.Server":
+        """Make a server that ends the streams to open pages before it waits for its connections."""
+        import uvicorn
+
+        closing = threading.Event()
+
+        class EndingServer(uvicorn.Server):
+            async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+                closing.set()
+                await super().shutdown(sockets)
+
+        return EndingServer(self._config(closing))
+
+    def _config(self, closing: threading.Event | None = None) -> "uvicorn.Config":
         import uvicorn
 
         return uvicorn.Config(
-            self._app,
+            functools.partial(self._app, closing=closing),
             factory=True,
             workers=self._workers,
             log_level="warning",

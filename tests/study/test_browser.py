@@ -1,0 +1,268 @@
+"""People at a real browser: by mouse, by keyboard alone, with reloads; and axe on every page."""
+
+import json
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from browser import chromium
+from studies import write_study
+
+from explicable.study import schema as tables
+from explicable.study.serving import Server
+from explicable.study.store import Store, sqlite_url
+
+REPLAY = """
+[[task]]
+name = "watched"
+map = "two.map"
+plan = "plan.txt"
+source = "ff"
+people = 5
+"""
+PLAYED = """
+[[task]]
+name = "played"
+map = "one.map"
+people = 5
+"""
+PLAN = """(command person c-0-2)
+(move r1 c-0-0 c-1-0)
+(move r1 c-1-0 c-1-1)
+(move r1 c-1-1 c-1-2)
+(move r1 c-1-2 c-0-2)
+(visit-room r1 c-0-2)
+"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as running:
+        yield running
+
+
+@pytest.fixture
+def served(tmp_path):
+    folder = write_study(tmp_path / "study", tasks=PLAYED + REPLAY, extra='language = "en"')
+    (folder / "plan.txt").write_text(PLAN)
+    server = Server(folder, port=0)
+    with server.in_background() as link:
+        yield folder, link, server.announcement.new_password
+
+
+@pytest.fixture
+def page(browser):
+    context = browser.new_context(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
+    context.set_default_timeout(30_000)
+    page = context.new_page()
+    problems = []
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.on("console", lambda message: problems.append(message.text) if message.type == "error" else None)
+    yield page
+    context.close()
+    assert [problem for problem in problems if "409" not in problem] == []
+
+
+def until(page, condition):
+    """Wait for a condition; Playwright's own way needs what the pages' security policy forbids."""
+    for _ in range(3000):
+        if page.evaluate(f"typeof isFinished !== 'undefined' && ({condition})"):
+            return
+        page.wait_for_timeout(10)
+    raise AssertionError(
+        f"{page.url}: {condition} did not become true; {page.evaluate('JSON.stringify(view)')}"
+    )
+
+
+def view_of(page):
+    return json.loads(page.evaluate("JSON.stringify(view)"))
+
+
+def wait_for_turn(page):
+    """Wait until the person is asked, may command, has to start, or the task is over."""
+    until(page, "isFinished || (!pending && (['question', 'waiting'].includes(view.phase) || mustStart()))")
+
+
+def play(page, answer, command):
+    """Play the task that is shown."""
+    while True:
+        wait_for_turn(page)
+        if page.evaluate("isFinished"):
+            return
+        if page.evaluate("mustStart()"):
+            command("start")
+        elif view_of(page)["phase"] == "question":
+            number = view_of(page)["number"]
+            answer()
+            until(page, f"isFinished || view.phase !== 'question' || view.number !== {number}")
+        else:
+            command("room")
+            until(page, "isFinished || view.phase !== 'waiting'")
+
+
+def by_mouse(page):
+    def command(what):
+        if what == "start":
+            page.click("#start")
+        else:
+            page.click("[data-room].possible")
+
+    return lambda: page.click("#yes"), command
+
+
+def by_keyboard(page):
+    def command(what):
+        if what == "start":
+            page.focus("#start")
+            page.keyboard.press("Enter")
+        else:
+            possible = [number for number, c in enumerate(view_of(page)["commands"], 1) if c["is_possible"]]
+            page.keyboard.press(str(possible[0]))
+
+    return lambda: page.keyboard.press("n"), command
+
+
+def begin(page, link):
+    page.goto(link)
+    page.click("button[value=yes]")
+    page.click("main button")
+
+
+def rows(folder, table):
+    store = Store(sqlite_url(folder))
+    try:
+        return store.read(lambda tx: tx.all(table))
+    finally:
+        store.close()
+
+
+def test_a_session_by_mouse_with_a_change_of_mind_and_reloads(page, served):
+    folder, link, _ = served
+    begin(page, link)
+    play(page, *by_mouse(page))
+    page.click("#finished a")
+    page.check("input[value=before]")
+    page.click("main button")
+    for _ in range(2):
+        until(page, "true")
+        if view_of(page)["commands"]:
+            page.click("[data-object=c-0-2]")
+            until(page, "view.phase === 'question'")
+            page.click("[data-room=c-2-3]")  # another room, while the robot is on its way
+            until(page, "view.commands.some(c => c.object === 'c-2-3' && c.is_present)")
+            page.reload()
+            until(page, "true")
+            assert next(c for c in view_of(page)["commands"] if c["is_present"])["object"] == "c-2-3"
+        play(page, *by_mouse(page))
+        page.click("#finished a")
+    page.check("input[value='7']", force=True)
+    page.fill("textarea", "Well done!")
+    page.click("main button")
+    assert page.inner_text(".code")
+    labels, steps = rows(folder, tables.LABELS), rows(folder, tables.STEPS)
+    assert len(labels) == sum(step.agent == "r1" for step in steps)
+    assert all(label.explicable and label.latency_s is not None for label in labels)
+    assert {row.stage for row in rows(folder, tables.SESSIONS)} == {"debrief"}
+
+
+def test_a_session_by_keyboard_alone(page, served):
+    folder, link, _ = served
+    page.goto(link)
+
+    def press_button(selector):
+        for _ in range(60):
+            page.keyboard.press("Tab")
+            if page.evaluate(f"document.activeElement.matches('{selector}')"):
+                page.keyboard.press("Enter")
+                return
+        raise AssertionError(f"{selector} can't be reached with Tab")
+
+    press_button("button[value=yes]")
+    page.wait_for_url("**/session")
+    press_button("main button")
+    page.wait_for_selector("#question")
+    play(page, *by_keyboard(page))
+    page.keyboard.press("Enter")  # "Continue" has the focus
+    page.wait_for_selector("input[type=radio]")
+    page.keyboard.press("Tab")
+    while not page.evaluate("document.activeElement.matches('input[type=radio]')"):
+        page.keyboard.press("Tab")
+    page.keyboard.press("Space")
+    press_button("main button")
+    for _ in range(2):
+        page.wait_for_selector("#question")
+        play(page, *by_keyboard(page))
+        page.keyboard.press("Enter")
+        page.wait_for_load_state()
+    page.wait_for_selector("textarea")
+    while not page.evaluate("document.activeElement.matches('input[type=radio]')"):
+        page.keyboard.press("Tab")
+    page.keyboard.press("Space")
+    press_button("main button")
+    page.wait_for_selector(".code")
+    labels = rows(folder, tables.LABELS)
+    assert labels
+    assert not any(label.explicable for label in labels)
+
+
+def test_two_tabs_show_the_same_task_and_take_each_step_once(page, served):
+    folder, link, _ = served
+    begin(page, link)
+    other = page.context.new_page()
+    other.goto(f"{link}session")
+    page.click("[data-room].possible")
+    until(other, "view.phase === 'question'")
+    other.click("#no")
+    until(page, "view.number >= 3 || isFinished")
+    play(page, *by_mouse(page))
+    until(other, "isFinished")
+    numbers = [(step.assignment, step.number) for step in rows(folder, tables.STEPS)]
+    assert len(numbers) == len(set(numbers))
+    assert rows(folder, tables.LABELS)[0].explicable is False
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_no_violation_on_any_page(browser, served, scheme):
+    _, link, password = served
+    context = browser.new_context(
+        viewport={"width": 360, "height": 740}, color_scheme=scheme, reduced_motion="reduce"
+    )
+    page = context.new_page()
+    axe = Axe()
+
+    def examine():
+        found = axe.run(page)
+        assert found.violations_count == 0, found.generate_report()
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), page.url
+
+    page.goto(link)
+    examine()
+    page.click("button[value=yes]")
+    examine()
+    page.click("main button")
+    examine()
+    page.click("[data-object]")
+    until(page, "view.phase === 'question'")
+    examine()
+    play(page, *by_mouse(page))
+    examine()
+    page.click("#finished a")
+    examine()
+    page.check("input[value=before]")
+    page.click("main button")
+    for _ in range(2):
+        examine()
+        play(page, *by_mouse(page))
+        page.click("#finished a")
+    examine()
+    page.check("input[value='7']", force=True)
+    page.click("main button")
+    examine()
+    page.goto(f"{link}admin")
+    examine()
+    page.fill("input[type=password]", password)
+    page.click("main button")
+    page.wait_for_selector("table")
+    examine()
+    page.goto(f"{link}nowhere")
+    examine()
+    context.close()
