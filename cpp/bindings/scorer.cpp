@@ -26,8 +26,8 @@ using Values = std::array<std::int32_t, kMaxValues>;
 // A scorer together with the packing of its task's states, in which Python holds them.
 struct BoundScorer final : Scorer {
     BoundScorer(const CoreTask& core, std::shared_ptr<const TeamTables> tables, const FeatureWeights& weights,
-                Transitions transitions, bool expected)
-        : Scorer(core, std::move(tables), weights, transitions, expected), task(core) {}
+                std::vector<double> own, Transitions transitions, bool expected)
+        : Scorer(core, std::move(tables), weights, std::move(own), transitions, expected), task(core) {}
     const CoreTask& task;
 };
 
@@ -63,11 +63,12 @@ const std::byte* check_context(const BoundScorer& scorer, const nb::bytes& conte
 
 std::unique_ptr<BoundScorer> make_scorer(const CoreTask& task, std::shared_ptr<const TeamTables> tables,
                                          const std::vector<std::tuple<int, Values, double>>& weights,
-                                         const Scorer::Transitions& transitions, bool expected) {
+                                         const Scorer::Transitions& transitions, bool expected,
+                                         std::vector<double> own) {
     if (tables->num_operators() != task.num_operators()) throw std::invalid_argument("tables of another task");
     FeatureWeights table(tables->num_schemas, tables->max_arity);
     for (const auto& [feature_template, values, weight] : weights) table.set(feature_template, values, weight);
-    return std::make_unique<BoundScorer>(task, std::move(tables), table, transitions, expected);
+    return std::make_unique<BoundScorer>(task, std::move(tables), table, std::move(own), transitions, expected);
 }
 
 }  // namespace
@@ -119,7 +120,7 @@ void bind_scorer(nb::module_& module) {
     // The base PathScorer is bound with the search.
     nb::class_<BoundScorer, PathScorer>(module, "Scorer", "A labeller compiled for one team task.")
         .def(nb::new_(&make_scorer), "task"_a, "tables"_a, "weights"_a, "transitions"_a, "expected"_a,
-             nb::keep_alive<0, 1>())
+             "own"_a = std::vector<double>{}, nb::keep_alive<0, 1>())
         .def("starting_at",
              [](const BoundScorer& scorer, const nb::bytes& context) {
                  const auto* const bytes = check_context(scorer, context);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 
 namespace explicable {
 namespace {
@@ -72,7 +73,7 @@ void FeatureWeights::set(int feature_template, std::span<const std::int32_t> val
 }
 
 Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const FeatureWeights& weights,
-               Transitions transitions, bool expected)
+               std::vector<double> own, Transitions transitions, bool expected)
     : task_(task),
       tables_(std::move(tables)),
       after_(weights.of(Template::kAfter)),
@@ -83,6 +84,7 @@ Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const
       undoes_(weights.of(Template::kUndoes)),
       returns_(weights.of(Template::kReturns)),
       unbelieved_(weights.of(Template::kUnbelieved)),
+      own_(std::move(own)),
       request_mission_(weights.of(Template::kRequestMission)),
       trend_(weights.of(Template::kTrend)),
       outlook_(weights.of(Template::kOutlook)),
@@ -108,6 +110,10 @@ Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const
             }
         }
     }
+    if (!own_.empty() && own_.size() != static_cast<std::size_t>(tables_->num_operators()))
+        throw std::invalid_argument("one score an operator is needed, or none");
+    if (!std::ranges::all_of(own_, [](double score) { return std::isfinite(score); }))
+        throw std::invalid_argument("a score is not finite");
     double largest = kImpossible;
     for (const auto& row : transitions)
         for (const auto transition : row) {
@@ -231,6 +237,7 @@ double Scorer::step_score(const Situation& situation, OperatorId step, const Ope
     else if (uses_returns_ && std::any_of(recent.begin() + 1, recent.end(), takes_back))
         score += returns_[me];
     if (!tables.in_mental[step]) score += unbelieved_[me];
+    if (!own_.empty()) score += own_[static_cast<std::size_t>(step)];
 
     auto request = tables.toward_request(step, situation.request());
     if (request.mental != Progress::kDone && fulfils_open(situation, step))

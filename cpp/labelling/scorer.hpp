@@ -83,8 +83,9 @@ class Scorer : public PathScorer {
 public:
     using Transitions = std::array<std::array<double, 2>, 2>;  // label before x label after; 0 explicable, 1 not
 
+    // `own`: a score for each operator, added to that of its features; or none.
     Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const FeatureWeights& weights,
-           Transitions transitions, bool expected);
+           std::vector<double> own, Transitions transitions, bool expected);
 
     std::size_t context_size() const override;
     void root(const State& state, std::byte* context) const override;
@@ -163,6 +164,7 @@ private:
     std::vector<double> after_, before_;                       // schema of the step beside, or none
     std::vector<double> same_after_, same_before_, same_human_;  // schema of the other step, pair of arguments
     std::vector<double> undoes_, returns_, unbelieved_;
+    std::vector<double> own_;              // operator; empty if no operator has a score of its own
     std::vector<double> request_;          // progress in both models
     std::vector<double> goals_;            // progress toward the nearest in both models, and of the mission
     std::vector<double> request_mission_;  // both kinds of progress

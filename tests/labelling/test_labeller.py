@@ -109,7 +109,7 @@ def test_any_flipped_byte_is_noticed(labeller, tmp_path):
     ("change", "message"),
     [
         ({"format": "x"}, "not a labeller file"),
-        ({"version": 2}, "version 2"),
+        ({"version": 1}, "version 1"),
         ({"templates": 99}, "templates 99"),
         ({"labels": ["inexplicable", "explicable"]}, "labels"),
         ({"features": ["a", "a"]}, "rows|twice"),

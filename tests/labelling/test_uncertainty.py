@@ -1,5 +1,7 @@
 """Intervals: they cover what they promise when the model is true, and hold the spread of the weights."""
 
+from functools import reduce
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -32,12 +34,28 @@ def test_weights_of_traces_are_those_of_a_flat_dirichlet():
 
 
 @given(st.lists(st.floats(0.001, 1), min_size=2, max_size=40), st.sampled_from([0.5, 0.9, 0.95]))
-def test_intervals_hold_their_level_and_no_shorter_tail_could_be_cut(weights, level):
+def test_intervals_hold_what_has_more_than_the_tail_beyond_it(weights, level):
     distribution = np.array(weights) / sum(weights)
     low, high = (round(end * (len(weights) - 1)) for end in fraction_interval(distribution, level))
-    tail = (1 - level) / 2 + 1e-9
-    assert distribution[:low].sum() <= tail < distribution[: low + 1].sum() + 2e-9
-    assert distribution[high + 1 :].sum() <= tail < distribution[high:].sum() + 2e-9
+    tail = (1 - level) / 2
+    beyond = [distribution[:k].sum() + distribution[k] / 2 for k in range(len(weights))]
+    inside = [k for k, p in enumerate(beyond) if tail + 1e-9 < p < 1 - tail - 1e-9]
+    assert 0 <= low <= high < len(weights)
+    assert set(inside) <= set(range(low, high + 1))
+    if inside:
+        assert high - low + 1 <= len([p for p in beyond if tail - 1e-9 < p < 1 - tail + 1e-9])
+    assert distribution[low : high + 1].sum() + tail > level / 2  # never far from the middle
+
+
+def test_intervals_hold_their_level_on_average_over_plans():
+    rng = np.random.default_rng(0)
+    covered = []
+    for _ in range(4000):
+        num_steps, rate = rng.integers(5, 40), rng.beta(8, 2)
+        distribution = reduce(np.convolve, [np.array([1 - rate, rate])] * num_steps, np.ones(1))
+        low, high = fraction_interval(distribution, 0.95)
+        covered.append(low <= rng.binomial(num_steps, rate) / num_steps <= high)
+    assert np.mean(covered) == pytest.approx(0.95, abs=0.015)
 
 
 def test_sums_and_mixtures_of_counts():

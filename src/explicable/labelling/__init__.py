@@ -1,6 +1,7 @@
 """Learning from labelled plans what people find explicable."""
 
-from explicable.labelling.labeller import LabelledPlan, Labeller
+from explicable.labelling.labelled_plan import LabelledPlan
+from explicable.labelling.labeller import Labeller
 from explicable.labelling.score import Explicability, PlanScores
 from explicable.labelling.traces import (
     LabelledStep,

@@ -1,92 +1,30 @@
 """The labeller: learns from traces what people find explicable, and labels plans that nobody has seen yet."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from explicable import _core
 from explicable.errors import LabellerError, UsageError
+from explicable.labelling.augment import ground_symbol_features
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
+from explicable.labelling.labelled_plan import LabelledPlan, clamp_humans
 from explicable.labelling.labeller_file import LabellerContent, read_labeller, write_labeller
-from explicable.labelling.learning import CLASSES, TrainingData, fit_annotators
-from explicable.labelling.score import PlanScores, score_plan
+from explicable.labelling.learning import CLASSES, Symbols, TrainingData, step_features
+from explicable.labelling.population import fit_population
+from explicable.labelling.score import score_plan
 from explicable.labelling.templates import explain_feature, feature_code
 from explicable.labelling.traces import Trace
-from explicable.labelling.uncertainty import fraction_interval, mix
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem, TeamTask, schema_kind
 
 if TYPE_CHECKING:
     from typing import Self
-
-
-@dataclass(frozen=True)
-class LabelledPlan:
-    """What a labeller says of a plan.
-
-    Attributes
-    ----------
-    actions
-        The plan.
-    is_robot
-        Whether each step is a robot's; a human's is explicable by definition.
-    probabilities
-        Of each step: the probability that it is explicable.
-    labels
-        The most probable labels (Viterbi), True for explicable.
-    features
-        Of each step, by name; none for human steps.
-    scores
-        Explicability in all variants, the weights taken for granted.
-    models
-        The labeller's bootstrap, or the labeller's model alone: who a new annotator may turn out to be.
-    """
-
-    actions: tuple[GroundAtom, ...]
-    is_robot: tuple[bool, ...]
-    probabilities: tuple[float, ...]
-    labels: tuple[bool, ...]
-    features: tuple[tuple[str, ...], ...]
-    scores: PlanScores
-    models: tuple[ConditionalRandomField, ...] = field(repr=False, compare=False)
-
-    @cached_property
-    def distribution(self) -> NDArray[np.float64]:
-        """Entry k: probability that a new annotator finds k of the robots' steps explicable.
-
-        Uncertainty of the weights and differences between annotators are included. Worked out when first
-        asked for: it takes all models of the bootstrap, and planning has no use for it.
-        """
-        return mix(
-            [
-                model.predict_counts(
-                    [self.features], empty=False, clamp=[_clamp(self.is_robot)], counted=[self.is_robot]
-                )[0]
-                for model in self.models
-            ]
-        )
-
-    def interval(
-        self, level: float = 0.95, steps: Literal["robot", "paper"] = "robot"
-    ) -> tuple[float, float]:
-        """Return the central interval of ``F_robot`` or ``F_paper`` as a new annotator would give it.
-
-        Raises
-        ------
-        UsageError
-            If no step counts, or the level is not between 0 and 1.
-        """
-        if steps == "robot":
-            return fraction_interval(self.distribution, level)
-        num_human = len(self.actions) - sum(self.is_robot)
-        return fraction_interval(np.concatenate([np.zeros(num_human), self.distribution]), level)
 
 
 class Labeller:
@@ -102,6 +40,10 @@ class Labeller:
         Names of the robots' action schemas that occurred in training.
     summary
         How it was trained.
+    symbols
+        Which features the models see: lifted ones, or the ground symbols of a step.
+    task_model
+        Says which task a step serves, if annotators named tasks.
 
     Examples
     --------
@@ -127,11 +69,16 @@ class Labeller:
         bootstrap: Sequence[ConditionalRandomField] = (),
         schemas: Iterable[str] = (),
         summary: Mapping[str, Any] | None = None,
+        *,
+        symbols: Symbols = "lifted",
+        task_model: ConditionalRandomField | None = None,
     ) -> None:
         self.model = model
         self.bootstrap = tuple(bootstrap)
         self.schemas = tuple(sorted(set(schemas)))
         self.summary = dict(summary or {})
+        self.symbols: Symbols = symbols
+        self.task_model = task_model
 
     @classmethod
     def train(
@@ -143,11 +90,16 @@ class Labeller:
         num_bootstrap: int = 50,
         seed: int = 0,
         annotator_weights: Mapping[str, float] | None = None,
+        symbols: Symbols = "lifted",
+        num_copies: int = 0,
     ) -> "Self":
         """Train on labelled traces.
 
         Human steps are explicable by definition, whatever label they carry; steps that nobody was asked about
         are unobserved. If all labels are alike, so will be the most probable labels of every plan.
+
+        A step whose label names a task is explicable: all scores, intervals and searches take the names for
+        True. A second model, with one label for each name, tells which task a step serves.
 
         Parameters
         ----------
@@ -161,6 +113,12 @@ class Labeller:
             Of the bootstrap.
         annotator_weights
             Weight of each annotator's traces; 1 where missing.
+        symbols
+            ``ground``: the paper's features, the names that occur in a step, instead of lifted ones. What is
+            learned so holds for objects of the same names only.
+        num_copies
+            With ground symbols: that many copies of each trace, its objects renamed at random, are trained
+            on as well (the paper: 1000).
 
         Raises
         ------
@@ -171,27 +129,36 @@ class Labeller:
         """
         if num_bootstrap < 0:
             raise UsageError(f"the number of bootstrap models must not be negative, as {num_bootstrap} is")
-        data = TrainingData()
+        if num_copies < 0 or (num_copies and symbols == "lifted"):
+            raise UsageError("copies with other names are for ground symbols, and their number is at least 0")
+        data = TrainingData(symbols, num_copies, np.random.default_rng((seed, 1)))
         for trace in traces:
             data.add(trace)
         if data.num_labels == 0:
             raise UsageError("no robot's step has a label: there is nothing to learn from")
         sample_weight = [float((annotator_weights or {}).get(name, 1.0)) for name in data.annotators]
+        weight_of_copies = np.repeat(sample_weight, 1 + num_copies)
         model = ConditionalRandomField(c1=c1, c2=c2, classes=CLASSES)
-        model.fit(data.features, data.labels, sample_weight)
+        model.fit(data.sequences(), data.answers(), weight_of_copies)
         rng = np.random.default_rng(seed)
-        bootstrap = fit_annotators(model, data, rng, num_bootstrap, sample_weight) if num_bootstrap else []
+        bootstrap = fit_population(model, data, rng, num_bootstrap, sample_weight) if num_bootstrap else []
+        task_model = None
+        if data.task_names:
+            task_model = ConditionalRandomField(c1=c1, c2=c2, classes=(True, *data.task_names, False))
+            answers = (row for row in data.task_labels for _ in range(1 + num_copies))
+            task_model.fit(data.sequences(), answers, weight_of_copies)
         summary = {
             "c1": c1,
             "c2": c2,
             "num_bootstrap": num_bootstrap,
+            "num_copies": num_copies,
             "seed": seed,
             "num_traces": len(data.labels),
             "num_labels": data.num_labels,
             "annotators": len(set(data.annotators)),
             "objective": model.objective_,
         }
-        return cls(model, bootstrap, data.schemas, summary)
+        return cls(model, bootstrap, data.schemas, summary, symbols=symbols, task_model=task_model)
 
     @staticmethod
     def load(path: str | Path) -> "Labeller":
@@ -203,11 +170,21 @@ class Labeller:
             If it is damaged, of another version, or no labeller at all.
         """
         content = read_labeller(path)
-        return Labeller(content.model, content.bootstrap, content.schemas, content.summary)
+        return Labeller(
+            content.model,
+            content.bootstrap,
+            content.schemas,
+            content.summary,
+            symbols=content.symbols,
+            task_model=content.task_model,
+        )
 
     def save(self, path: str | Path) -> None:
         """Write a labeller file, whole or not at all; `load` restores it exactly."""
-        write_labeller(path, LabellerContent(self.model, self.bootstrap, self.schemas, self.summary))
+        content = LabellerContent(
+            self.model, self.bootstrap, self.schemas, self.summary, self.symbols, self.task_model
+        )
+        write_labeller(path, content)
 
     def label(self, team: TeamTask | TeamFeatures, actions: Sequence[GroundAtom]) -> LabelledPlan:
         """Label a plan of a team task.
@@ -224,20 +201,23 @@ class Labeller:
         PlanError
             If a step is not applicable.
         LabellerError
-            If the labeller knows none of the task's action schemas.
+            If the labeller knows none of the task's action schemas or, trained on ground symbols, none of
+            its objects.
         """
         features = self._features(team)
         execution = features.task.execute(actions)
-        rows = features.extract(execution.operators, execution.states)
+        rows = step_features(features, execution, self.symbols)
         is_robot = tuple(not features.tables.is_human(operator) for operator in execution.operators)
-        clamp = [_clamp(is_robot)]
+        clamp = [clamp_humans(is_robot)]
         (labels,) = self.model.predict([rows], clamp)
         (marginals,) = self.model.predict_marginals([rows], clamp)
+        (task_labels,) = [labels] if self.task_model is None else self.task_model.predict([rows], clamp)
         return LabelledPlan(
             actions=tuple(actions),
             is_robot=is_robot,
             probabilities=tuple(marginals[:, 0].tolist()),
             labels=tuple(bool(label) for label in labels),
+            task_labels=tuple(task_labels),
             features=tuple(rows),
             scores=score_plan(self.model, rows, is_robot, is_asked=is_robot),
             models=self.bootstrap or (self.model,),
@@ -262,18 +242,18 @@ class Labeller:
         PlanError
             If a step of the history is not applicable.
         LabellerError
-            If the labeller knows none of the task's action schemas.
+            If the labeller knows none of the task's action schemas or, trained on ground symbols, none of
+            its objects.
         """
         features = self._features(team)
-        schemas = {name: number for number, name in enumerate(features.schemas)}
-        weights = []
-        for feature, weight in self._evidence.items():
-            code = feature_code(feature, schemas, features.tables.max_arity)
-            if code is not None:
-                weights.append((*code, -weight))
-        transitions = self.model.transition_weights_
+        lifted = self.symbols == "lifted"
         scorer = _core.Scorer(
-            features.task.core, features.tables, weights, transitions.tolist(), expected=expected
+            features.task.core,
+            features.tables,
+            self._weights(features) if lifted else [],
+            self.model.transition_weights_.tolist(),
+            expected=expected,
+            own=[] if lifted else self._own(features),
         )
         if not history:
             return scorer
@@ -329,7 +309,32 @@ class Labeller:
     def _features(self, team: TeamTask | TeamFeatures) -> TeamFeatures:
         features = team if isinstance(team, TeamFeatures) else TeamFeatures(team)
         self.check_domain(features.team.problem)
+        if self.symbols == "ground" and self._names.isdisjoint(features.task.objects):
+            raise LabellerError(
+                "this labeller was trained on names, and knows none of the objects here: "
+                "train it on lifted features instead"
+            )
         return features
+
+    def _weights(self, team: TeamFeatures) -> list[tuple[int, tuple[int, int, int, int], float]]:
+        """How much each lifted feature speaks for inexplicable, as the core numbers them."""
+        schemas = {name: number for number, name in enumerate(team.schemas)}
+        weights = []
+        for feature, weight in self._evidence.items():
+            code = feature_code(feature, schemas, team.tables.max_arity)
+            if code is not None:
+                weights.append((*code, -weight))
+        return weights
+
+    def _own(self, team: TeamFeatures) -> list[float]:
+        """How much the ground symbols of each operator speak for inexplicable."""
+        rows = ground_symbol_features([team.task.action(o) or ("",) for o in range(team.task.num_operators)])
+        return [-sum(self._evidence.get(name, 0.0) for name in row) for row in rows]
+
+    @cached_property
+    def _names(self) -> set[str]:
+        """The names of objects that the model knows, of ground symbols such as ``2=kitchen``."""
+        return {name.partition("=")[2] for name in self.model.feature_names_ if "=" in name}
 
     @cached_property
     def _evidence(self) -> dict[str, float]:
@@ -341,8 +346,3 @@ class Labeller:
 def _robot_schemas(problem: TeamProblem) -> list[str]:
     domain = problem.composite.domain
     return [action.name for action in domain.actions if schema_kind(domain, action) == "robot"]
-
-
-def _clamp(is_robot: Sequence[bool]) -> list[bool | None]:
-    """Return the labels that are given: human steps are explicable by definition."""
-    return [None if robot else True for robot in is_robot]

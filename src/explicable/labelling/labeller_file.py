@@ -5,11 +5,11 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, get_args
 
 from explicable.errors import LabellerError, UsageError
 from explicable.labelling.crf import ConditionalRandomField
-from explicable.labelling.learning import CLASSES
+from explicable.labelling.learning import CLASSES, Symbols
 from explicable.labelling.templates import TEMPLATES_VERSION
 from explicable.model.files import write_whole
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 FORMAT = "explicable-labeller"
-VERSION = 1
+VERSION = 2
 LABELS = ("explicable", "inexplicable")
 EMPTY_LABEL = "inexplicable"
 MAX_WEIGHT = 1e6
@@ -30,12 +30,15 @@ _KEYS = frozenset(
         "format",
         "version",
         "templates",
+        "symbols",
         "labels",
+        "task_labels",
         "empty_label",
         "schemas",
         "features",
         "model",
         "bootstrap",
+        "task_model",
         "training",
         "sha256",
     )
@@ -50,6 +53,8 @@ class LabellerContent:
     bootstrap: tuple[ConditionalRandomField, ...]
     schemas: tuple[str, ...]
     summary: Mapping[str, Any]
+    symbols: Symbols = "lifted"
+    task_model: ConditionalRandomField | None = None
 
 
 def write_labeller(path: str | Path, labeller: LabellerContent) -> None:
@@ -61,18 +66,23 @@ def write_labeller(path: str | Path, labeller: LabellerContent) -> None:
         If the bootstrap's models have other features than the model.
     """
     names = labeller.model.feature_names_
-    if any(model.feature_names_ != names for model in labeller.bootstrap):
-        raise UsageError("the models of the bootstrap have other features than the model itself")
+    task_model = labeller.task_model
+    others = (*labeller.bootstrap, *([task_model] if task_model else []))
+    if any(model.feature_names_ != names for model in others):
+        raise UsageError("the models of the bootstrap or of tasks have other features than the model itself")
     content = {
         "format": FORMAT,
         "version": VERSION,
         "templates": TEMPLATES_VERSION,
+        "symbols": labeller.symbols,
         "labels": list(LABELS),
+        "task_labels": list(task_model.classes_[1:-1]) if task_model else [],
         "empty_label": EMPTY_LABEL,
         "schemas": list(labeller.schemas),
         "features": list(names),
         "model": _weights(labeller.model),
         "bootstrap": [_weights(model) for model in labeller.bootstrap],
+        "task_model": _weights(task_model) if task_model else None,
         "training": dict(labeller.summary),
     }
     write_whole(path, json.dumps(content | {"sha256": checksum(content)}, allow_nan=False) + "\n")
@@ -128,12 +138,19 @@ class _Reader:
             self.refuse(f"labels must be {', '.join(LABELS)}, of which {EMPTY_LABEL} is the empty one")
         if not isinstance(content["training"], dict) or not isinstance(content["bootstrap"], list):
             self.refuse("damaged: 'training' must be an object, 'bootstrap' a list")
+        if content["symbols"] not in get_args(Symbols):
+            self.refuse(f"symbols must be {' or '.join(get_args(Symbols))}")
         names = self.names("features", content["features"])
+        tasks = self.names("task_labels", content["task_labels"])
+        if bool(tasks) != (content["task_model"] is not None):
+            self.refuse("damaged: 'task_labels' without 'task_model', or the other way round")
         return LabellerContent(
-            self.model(names, content["model"]),
-            tuple(self.model(names, model) for model in content["bootstrap"]),
+            self.model(names, content["model"], CLASSES),
+            tuple(self.model(names, model, CLASSES) for model in content["bootstrap"]),
             tuple(self.names("schemas", content["schemas"])),
             content["training"],
+            content["symbols"],
+            self.model(names, content["task_model"], (True, *tasks, False)) if tasks else None,
         )
 
     def decode(self) -> object:
@@ -157,26 +174,30 @@ class _Reader:
             self.refuse(f"damaged: {what!r} must be a list of names")
         return data
 
-    def model(self, names: "Sequence[str]", data: object) -> ConditionalRandomField:
+    def model(
+        self, names: "Sequence[str]", data: object, classes: "Sequence[bool | str]"
+    ) -> ConditionalRandomField:
         if not isinstance(data, dict) or data.keys() != {"weights", "transitions"}:
             self.refuse("damaged: a model must have 'weights' and 'transitions'")
-        weights = self.matrix("weights", data["weights"], len(names), MAX_WEIGHT)
-        transitions = self.matrix("transitions", data["transitions"], len(CLASSES), MAX_TRANSITION)
+        weights = self.matrix("weights", data["weights"], (len(names), len(classes)), MAX_WEIGHT)
+        shape = (len(classes), len(classes))
+        transitions = self.matrix("transitions", data["transitions"], shape, MAX_TRANSITION)
         try:
-            return ConditionalRandomField.from_weights(CLASSES, names, weights, transitions)
+            return ConditionalRandomField.from_weights(classes, names, weights, transitions)
         except UsageError as error:
             self.refuse(f"damaged: {error}")
 
-    def matrix(self, what: str, data: object, num_rows: int, limit: float) -> list[list[float]]:
+    def matrix(self, what: str, data: object, shape: tuple[int, int], limit: float) -> list[list[float]]:
+        num_rows, num_columns = shape
         if not isinstance(data, list) or len(data) != num_rows:
             self.refuse(f"damaged: {what!r} must have {num_rows} rows")
         for row in data:
             if (
                 not isinstance(row, list)
-                or len(row) != len(CLASSES)
+                or len(row) != num_columns
                 or not all(_is_weight(weight, limit) for weight in row)
             ):
-                self.refuse(f"damaged: a row of {what!r} must hold {len(CLASSES)} numbers within +-{limit:g}")
+                self.refuse(f"damaged: a row of {what!r} must hold {num_columns} numbers within +-{limit:g}")
         return data
 
 

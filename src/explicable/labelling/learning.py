@@ -1,37 +1,101 @@
-"""From traces to models: features and labels of traces, and a bootstrap whose models stand for annotators."""
+"""From traces to what a conditional random field is trained on: features and labels of steps."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
-import numpy as np
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Literal
 
 from explicable.errors import PlanError, TraceError
-from explicable.labelling.crf import ConditionalRandomField
+from explicable.labelling.augment import ground_symbol_features, interchangeable_objects, permute
+from explicable.labelling.augment import random_permutations as draw_permutations
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.traces import Trace
-from explicable.labelling.uncertainty import bootstrap_weights
 from explicable.model.grounding import ground_team
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+
+    from explicable.model.problem import GroundAtom
+    from explicable.model.task import Execution
     from explicable.model.team import TeamProblem
 
 CLASSES = (True, False)
 """Explicable and inexplicable; ties go to the first, and the second is the paper's empty label."""
 
-_OFFSET = "annotator: "
-_STEP = "step: "  # of these features, every robot's step has exactly one
+Symbols = Literal["lifted", "ground"]
+"""Lifted features, which name no object; or the paper's: the ground symbols of a step."""
+
+Rows = list[tuple[str, ...]]
+"""Features of each step of a plan; none of human steps, about which nobody is asked."""
+
+
+def step_features(team: TeamFeatures, execution: "Execution", symbols: Symbols = "lifted") -> Rows:
+    """Return the features of each step of an executed plan.
+
+    Examples
+    --------
+    >>> from explicable.first_response.encoding import encode
+    >>> from explicable.first_response.world import World
+    >>> team = TeamFeatures(ground_team(encode(World(("@*",)))))
+    >>> plan = [("command", "person", "c-0-1"), ("move", "r1", "c-0-0", "c-0-1")]
+    >>> step_features(team, team.task.execute(plan), "ground")
+    [(), ('move', '1=r1', '2=c-0-0', '3=c-0-1', '(move r1 c-0-0 c-0-1)')]
+    """
+    if symbols == "lifted":
+        return team.extract(execution.operators, execution.states)
+    is_human = [team.tables.is_human(operator) for operator in execution.operators]
+    return _symbols([team.task.action(operator) for operator in execution.operators], is_human)
+
+
+def _symbols(actions: "Sequence[GroundAtom]", is_human: "Sequence[bool]") -> Rows:
+    rows = ground_symbol_features(actions)
+    return [() if human else tuple(row) for row, human in zip(rows, is_human, strict=True)]
 
 
 class TrainingData:
-    """Features and labels of traces; each problem is grounded once."""
+    """Features and labels of traces; each problem is grounded once.
 
-    def __init__(self) -> None:
-        self.features: list[list[tuple[str, ...]]] = []
+    Parameters
+    ----------
+    symbols
+        Which features.
+    num_copies
+        How many copies of each trace, its objects renamed at random, are trained on beside the trace itself.
+        Traces of one problem share their renamings, as in the paper.
+    rng
+        Source of the renamings; needed for copies.
+
+    Attributes
+    ----------
+    features, labels, task_labels
+        Of each step of each trace. ``labels`` are those of `CLASSES`, or None; ``task_labels`` say in
+        addition which task a step serves, where the annotator named it.
+    annotators
+        Of each trace.
+    schemas
+        Names of the robots' action schemas that occurred.
+    num_labels
+        Labelled steps of robots.
+    """
+
+    def __init__(
+        self,
+        symbols: Symbols = "lifted",
+        num_copies: int = 0,
+        rng: "np.random.Generator | None" = None,
+    ) -> None:
+        self.symbols: Symbols = symbols
+        self.num_copies = num_copies
+        self.features: list[Rows] = []
         self.labels: list[list[bool | None]] = []
+        self.task_labels: list[list[bool | str | None]] = []
         self.annotators: list[str] = []
         self.schemas: set[str] = set()
         self.num_labels = 0
+        self._rng = rng
+        self._actions: list[tuple[TeamProblem, tuple[GroundAtom, ...]]] = []
         self._teams: dict[int, tuple[TeamProblem, TeamFeatures]] = {}  # holds on to problems: ids stay unique
+        self._renamings: dict[int, list[dict[str, str]]] = {}
 
     def add(self, trace: Trace) -> None:
         """Take in a trace.
@@ -48,74 +112,51 @@ class TrainingData:
             execution = team.task.execute(trace.actions)
         except PlanError as error:
             raise TraceError(error.message, line=len(self.labels) + 1) from error
-        self.features.append(team.extract(execution.operators, execution.states))
+        self.features.append(step_features(team, execution, self.symbols))
         self.annotators.append(trace.annotator)
-        labels: list[bool | None] = []
+        self._actions.append((trace.problem, trace.actions))
+        labels: list[bool | str | None] = []
         for step, operator in zip(trace.steps, execution.operators, strict=True):
             is_human = team.tables.is_human(operator)
             labels.append(True if is_human else step.label)
             if not is_human:
                 self.schemas.add(step.action[0])
                 self.num_labels += step.label is not None
-        self.labels.append(labels)
+        self.task_labels.append(labels)
+        self.labels.append([None if label is None else label is not False for label in labels])
 
+    @property
+    def task_names(self) -> list[str]:
+        """The tasks that annotators named, sorted."""
+        return sorted({label for row in self.task_labels for label in row if isinstance(label, str)})
 
-def fit_annotators(
-    model: ConditionalRandomField,
-    data: TrainingData,
-    rng: np.random.Generator,
-    num_draws: int,
-    sample_weight: Sequence[float],
-) -> list[ConditionalRandomField]:
-    """Train models that each stand for one annotator, by a Bayesian bootstrap over annotators.
+    @property
+    def num_sequences(self) -> int:
+        """How many sequences there are to train on, copies included."""
+        return len(self.features) * (1 + self.num_copies)
 
-    Each annotator has an offset, in log odds, for every step; the penalty keeps it small where there is
-    little to learn it from. A draw weighs annotators at random, trains, and takes on the offset of one of
-    them, drawn by weight. So the draws differ as much as new annotators would. Of a single annotator, traces
-    are weighed, and there is no offset.
+    @property
+    def step_names(self) -> set[str]:
+        """Names of the features of which every robot's step has exactly one: what schema it is of."""
+        return {f"step: {name}" if self.symbols == "lifted" else name for name in self.schemas}
 
-    Parameters
-    ----------
-    model
-        Gives the parameters and is not changed.
-    data
-        What to train on.
-    rng
-        Source of weights and of annotators.
-    num_draws
-        Number of models.
-    sample_weight
-        Weight of each trace; multiplied by that of the draw.
-    """
-    names = sorted(set(data.annotators))
-    several = len(names) > 1
-    group = (
-        np.array([names.index(name) for name in data.annotators]) if several else np.arange(len(data.labels))
-    )
-    features = [
-        [(*row, _OFFSET + name) if row and several else row for row in rows]
-        for rows, name in zip(data.features, data.annotators, strict=True)
-    ]
-    training = model.prepare(features, data.labels)
-    base = np.array(sample_weight)
-    start = training.minimise(base).weights
-    models = []
-    for weights in bootstrap_weights(rng, int(group.max()) + 1, num_draws):
-        drawn = ConditionalRandomField(**model.get_params())
-        drawn.adopt(training, training.minimise(base * weights[group], start))
-        stands_for = names[int(rng.choice(len(names), p=weights / weights.sum()))] if several else None
-        models.append(_take_on_offset(drawn, stands_for))
-    return models
+    def sequences(self) -> Iterator[Rows]:
+        """Yield the features of each trace, followed by those of its copies."""
+        for rows, (problem, actions) in zip(self.features, self._actions, strict=True):
+            yield rows
+            if self.num_copies:
+                is_human = [not row for row in rows]
+                for renaming in self._renamings_of(problem):
+                    yield _symbols(permute(actions, renaming), is_human)
 
+    def answers(self) -> Iterator[list[bool | None]]:
+        """Yield the labels of each sequence."""
+        return (row for row in self.labels for _ in range(1 + self.num_copies))
 
-def _take_on_offset(model: ConditionalRandomField, annotator: str | None) -> ConditionalRandomField:
-    """Return the model with one annotator's offset in the weights of all steps, and the others' left out."""
-    names, weights = model.feature_names_, model.state_weights_.copy()
-    offset = f"{_OFFSET}{annotator}"
-    if offset in names:
-        steps = [number for number, name in enumerate(names) if name.startswith(_STEP)]
-        weights[steps] += weights[names.index(offset)]
-    kept = [number for number, name in enumerate(names) if not name.startswith(_OFFSET)]
-    return ConditionalRandomField.from_weights(
-        CLASSES, [names[number] for number in kept], weights[kept], model.transition_weights_
-    )
+    def _renamings_of(self, problem: "TeamProblem") -> list[dict[str, str]]:
+        if id(problem) not in self._renamings:
+            if self._rng is None:
+                raise ValueError("copies need a source of chance")
+            groups = interchangeable_objects(problem.composite)
+            self._renamings[id(problem)] = list(draw_permutations(self._rng, groups, self.num_copies))
+        return self._renamings[id(problem)]

@@ -19,6 +19,11 @@ VERSION = 1
 
 Origin = Literal["person", "simulated"]
 
+NO_TASKS = frozenset(
+    ("", "?", "-", "true", "false", "null", "none", "yes", "no", "explicable", "inexplicable")
+)
+"""Texts that don't name a task: whoever writes them means something else."""
+
 PARTS = ("domain", "problem", "human_domain", "human_problem")
 _TEXTS = ("semantics", "name", "started")
 _KEYS = frozenset(("format", "version", "problem", "steps", "annotator", "origin", "notes", *_TEXTS))
@@ -36,15 +41,21 @@ class LabelledStep:
     action
         ``(schema, object, ...)``.
     label
-        True: explicable; False: inexplicable; None: not asked.
+        True: explicable; False: inexplicable; None: not asked. Text: explicable, as part of the task of this
+        name.
     time
         Seconds since the trace was started.
     """
 
     agent: str
     action: GroundAtom
-    label: bool | None = None
+    label: bool | str | None = None
     time: float | None = None
+
+    @property
+    def is_explicable(self) -> bool | None:
+        """What the label says of two kinds of steps: a task's name counts as explicable."""
+        return None if self.label is None else self.label is not False
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,8 +187,9 @@ class RecordReader:
             self._refuse(f"{what} must be an object, not {_show(data)}")
         self._check_keys(what, data, _STEP_KEYS, required=("agent", "operator", "label"))
         label, time = data["label"], data.get("time")
-        if label is not None and not isinstance(label, bool):
-            self._refuse(f"{what}: label must be true, false or null, not {_show(label)}")
+        is_name = isinstance(label, str) and label.strip().lower() not in NO_TASKS
+        if label is not None and not isinstance(label, bool) and not is_name:
+            self._refuse(f"{what}: label must be true, false or null, or name a task; not {_show(label)}")
         if time is not None:
             if isinstance(time, bool) or not isinstance(time, int | float) or abs(time) > 1e15:
                 self._refuse(f"{what}: time must be a number of seconds, not {_show(time)}")

@@ -93,9 +93,12 @@ def add(distributions: Iterable[NDArray[np.float64]]) -> NDArray[np.float64]:
 
 
 def fraction_interval(distribution: NDArray[np.float64], level: float = 0.95) -> tuple[float, float]:
-    """Return the central interval of F = count / steps: at most half of `1 - level` lies beyond either end.
+    """Return the central interval of F = count / steps, by mid-P.
 
-    Counts are whole numbers, so an interval holds `level` or somewhat more.
+    Counts are whole numbers, so no interval holds exactly `level`. One whose ends count in full always holds
+    more. Here a count belongs to the interval if what lies beyond it, and half of its own probability, is
+    more than half of ``1 - level`` on either side (Lancaster, *Significance tests in discrete distributions*,
+    1961): on average over plans such intervals hold their level.
 
     Parameters
     ----------
@@ -120,6 +123,9 @@ def fraction_interval(distribution: NDArray[np.float64], level: float = 0.95) ->
     if not 0 < level < 1:
         raise UsageError(f"the level of an interval must lie between 0 and 1, not {level}")
     tail = (1 - level) / 2 + 1e-12  # what rounding leaves of a zero probability must not widen the interval
-    low = int(np.searchsorted(np.cumsum(distribution), tail, side="right"))
-    high = num_steps - int(np.searchsorted(np.cumsum(distribution[::-1]), tail, side="right"))
-    return low / num_steps, high / num_steps
+    beyond = np.cumsum(distribution) - distribution / 2
+    low = int(np.searchsorted(beyond, tail, side="right"))
+    high = int(np.searchsorted(beyond, 1 - tail, side="left")) - 1
+    # Between two likely counts there may be none that belongs: then both do.
+    low, high = min(low, high), max(low, high)
+    return max(low, 0) / num_steps, min(high, num_steps) / num_steps

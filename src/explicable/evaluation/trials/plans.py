@@ -135,7 +135,7 @@ class _Place:
         counts = []
         for number, judged_by in enumerate(self.judges):
             steps = judge(self.setting, judged_by, actions, self.chance(JUDGING, number))
-            labels = [step.label for step in steps if step.label is not None]
+            labels = [step.is_explicable for step in steps if step.is_explicable is not None]
             counts.append([judged_by.name, sum(labels), len(labels)])
         return counts
 
@@ -145,7 +145,7 @@ def _row(settings: Settings, place: _Place, name: str, known: _Knowledge, player
     if name == "participants":
         trace = simulate(place.setting, player, place.chance(PLAYING)).trace
         actions = trace.actions
-        labels = [step.label for step in trace.steps if step.label is not None]
+        labels = [step.is_explicable for step in trace.steps if step.is_explicable is not None]
         row |= {"outcome": "solved", "own_labels": [player.name, sum(labels), len(labels)]}
     else:
         found = PLANNERS[name](place.team, known)
