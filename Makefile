@@ -58,6 +58,7 @@ evaluate: $(STAMP)
 
 pictures: $(STAMP)
 	$(BIN)/python tools/pictures.py
+	$(BIN)/python tools/study_pictures.py
 
 clean:
 	rm -rf $(VENV) $(SANITIZED) $(PEERS) build demo

@@ -19,7 +19,14 @@ from pydantic import BaseModel, Field, FiniteFloat
 from starlette.exceptions import HTTPException as AnyHTTPException
 
 from explicable.errors import InputError
-from explicable.study.conduct import Conduct, NoPlaceError, Request, Standing, UnknownSessionError
+from explicable.study.conduct import (
+    Conduct,
+    NoPlaceError,
+    RepeatError,
+    Request,
+    Standing,
+    UnknownSessionError,
+)
 from explicable.study.forms import read_form
 from explicable.study.materials import Materials
 from explicable.study.pages import Pages
@@ -224,7 +231,7 @@ def _page_routes(server: Server) -> APIRouter:
         try:
             session = await server.write(lambda tx: server.conduct.start(tx, asked, recruit, simulated))
         except NoPlaceError as error:
-            return pages.no_place(str(error))
+            return pages.no_place(is_repeat=isinstance(error, RepeatError))
         response = RedirectResponse("/session", 303)
         response.set_cookie(
             SESSION_COOKIE,

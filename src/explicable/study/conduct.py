@@ -30,7 +30,11 @@ class UnknownSessionError(ConflictError):
 
 
 class NoPlaceError(ConflictError):
-    """Nobody else can take part: the study is full, or this person already has."""
+    """Nobody else can take part."""
+
+
+class RepeatError(NoPlaceError):
+    """Somebody who has taken part before can't do so again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +90,7 @@ class Conduct:
         Raises
         ------
         NoPlaceError
-            If the study is full, or the person has taken part before.
+            If the study is full; a `RepeatError` if the person has taken part before.
         """
         known = tx.find(tables.SESSIONS, start_request=request.id)
         if known is not None:
@@ -262,7 +266,7 @@ class Conduct:
             same_visit = told == dict(recruit.values) and len(told) > 1
             if session is not None and same_visit:
                 return str(session.id)
-            raise NoPlaceError("this person has taken part before")
+            raise RepeatError("this person has taken part before")
         return None
 
     def _draw(self, taken: list[Any], condition: str, rng: np.random.Generator) -> list[str]:

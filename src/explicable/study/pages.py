@@ -73,13 +73,18 @@ class Pages:
         """Thank somebody who does not want to take part, of whom nothing is stored."""
         return self._message("Thank you", "You have chosen not to take part. Nothing has been stored.")
 
-    def no_place(self, reason: str) -> Response:
-        """Say that nobody else can take part."""
-        return self._message("No place left", reason.capitalize() + ". Thank you for your interest.", 409)
+    def no_place(self, *, is_repeat: bool) -> Response:
+        """Say that nobody else can take part, or not this person again."""
+        if is_repeat:
+            message = "You have taken part in this study before. Thank you for your interest."
+        else:
+            message = "Everybody whom we need has taken part. Thank you for your interest."
+        return self._message("No place left", message, 409)
 
     def problem(self, message: str, status: int) -> Response:
         """Say what is wrong with a request."""
-        return self._message("That did not work", message.capitalize() + ".", status)
+        translated = self.materials.language.text(message)
+        return self._message("That did not work", f"{translated[:1].upper()}{translated[1:]}.", status)
 
     def session(
         self, standing: Standing, recruit: Mapping[str, str], filled_in: Mapping[str, str] | None = None
