@@ -2,14 +2,13 @@ import numpy as np
 import pytest
 
 from explicable.evaluation.replanning import ExplicablePlanner, Prices
-from explicable.evaluation.strategies import strategies
+from explicable.evaluation.strategies import play, strategies
 from explicable.execution import (
     Ending,
     SimulatedPerson,
     Situation,
     builtin_families,
     prepare,
-    run,
     simulate_study,
 )
 from explicable.first_response import builtin_maps, encode
@@ -23,13 +22,13 @@ def labeller():
     return Labeller.train([episode.trace for episode in episodes], num_bootstrap=0)
 
 
-@pytest.mark.parametrize("name", ["follower", "nearest", "ff", "explicable", "oracle"])
+@pytest.mark.parametrize("name", ["follower", "nearest", "ff", "explicable", "learning", "oracle"])
 @pytest.mark.parametrize("family", ["myopic", "mission", "boltzmann"])
 def test_every_strategy_reaches_the_goal_with_every_family(labeller, name, family):
     setting = prepare(encode(builtin_maps("test")["test-01"], "exclusive"))
     participant = builtin_families()[family].draw(1, np.random.default_rng(0))
     person = SimulatedPerson(setting, participant, np.random.default_rng(1))
-    played = run(setting, strategies(labeller)[name](setting, person), person)
+    played = play(strategies(labeller)[name], setting, person)
     assert played.episode.ending is Ending.REACHED
 
 
@@ -67,6 +66,7 @@ def test_what_was_announced_is_kept_if_change_is_dear_and_only_then(labeller):
 def test_the_objective_is_that_of_the_labelled_plan_given_the_past(labeller):
     """The planner's own bookkeeping against labelling past and plan together, from the start."""
     from explicable.evaluation.replanning import _LabelledGame
+    from explicable.labelling.features import TeamFeatures
     from explicable.model.grounding import ground_team
 
     problem = encode(builtin_maps("test")["test-03"], "exclusive")
@@ -75,7 +75,7 @@ def test_the_objective_is_that_of_the_labelled_plan_given_the_past(labeller):
     labelled = labeller.label(ground_team(problem), plan)
     expected = sum(1 - p for p, robot in zip(labelled.probabilities, labelled.is_robot, strict=True) if robot)
     for cut in (0, 1, 5, len(plan)):
-        game = _LabelledGame(problem, labeller)
+        game = _LabelledGame(TeamFeatures(ground_team(problem)), labeller)
         game.move_to(plan[: cut // 2])
         game.move_to(plan[:cut])
         assert game.objective(plan[cut:], 2.0) == pytest.approx(len(plan) - cut + 2 * expected)

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, Protocol
 
-from explicable.execution import Proposal, Situation, num_changes
+from explicable.execution import Course, PersonFilter, Proposal, Situation, adapt, num_changes
+from explicable.execution.monitor import Event
 from explicable.execution.plans import Actions
 from explicable.labelling import Labeller
 from explicable.labelling.features import TeamFeatures
@@ -23,7 +24,6 @@ from explicable.model.grounding import ground_team
 from explicable.model.problem import GroundAtom
 from explicable.model.requests import find_requests
 from explicable.model.task import Execution
-from explicable.model.team import TeamProblem
 from explicable.search import Outcome, SearchResult, search
 
 _NUM_PREDICTIONS = 4
@@ -48,12 +48,12 @@ class Prices:
     beta
         Of an announced step that is not kept.
     gamma
-        Of a next request that is predicted and does not come.
+        Of a next request that is predicted and does not come: foresight mostly prevails.
     """
 
     alpha: float = 1.0
     beta: float = 0.1
-    gamma: float = 1.0
+    gamma: float = 10.0
 
 
 class ExplicablePlanner:
@@ -93,8 +93,11 @@ class ExplicablePlanner:
     def __call__(self, situation: Situation) -> Proposal:
         """Plan from here on."""
         game = self._game
-        if game is None or game.problem is not situation.problem or game.labeller is not self.labeller:
-            game = self._game = _LabelledGame(situation.problem, self.labeller)
+        if game is None or game.problem is not situation.problem:
+            features = TeamFeatures(ground_team(situation.problem))
+            game = self._game = _LabelledGame(features, self.labeller)
+        elif game.labeller is not self.labeller:
+            game = self._game = _LabelledGame(game.features, self.labeller)
         game.move_to(situation.past)
         first = self._search(game)
         if first.operators is None:
@@ -141,14 +144,58 @@ class ExplicablePlanner:
         )
 
 
+class LearningPlanner:
+    """An explicable planner that learns the person while working; give `see` to `run` as ``watch``.
+
+    Before each plan it adapts the labeller to the answers given so far (`explicable.execution.adapt`), always
+    from the same start: nothing builds up. What the person will ask for next it takes from a filter.
+
+    Parameters
+    ----------
+    planner
+        Its labeller and its foresight are replaced.
+    person
+        The filter; None: no foresight.
+    adapts
+        Whether to adapt the labeller.
+    """
+
+    def __init__(
+        self, planner: ExplicablePlanner, person: PersonFilter | None = None, *, adapts: bool = True
+    ) -> None:
+        self.planner, self.person, self.adapts = planner, person, adapts
+        self._labeller = planner.labeller
+        self._features: TeamFeatures | None = None
+        self._answers: dict[int, bool | None] = {}
+        self._num_steps = 0
+        planner.foresight = person
+
+    def see(self, course: Course) -> None:
+        """Take in what has happened."""
+        self._num_steps = len(course.steps)
+        if course.occurrences[-1].event is Event.ANSWER_GIVEN:
+            self._answers = {number: step.label for number, step in enumerate(course.steps)}
+        if self.person is not None:
+            self.person.see(course)
+
+    def __call__(self, situation: Situation) -> Proposal:
+        """Plan from here on."""
+        if self.adapts and any(answer is not None for answer in self._answers.values()):
+            if self._features is None or self._features.team.problem is not situation.problem:
+                self._features = TeamFeatures(ground_team(situation.problem))
+            since = self._num_steps - len(situation.past)
+            answers = [self._answers.get(since + number) for number in range(len(situation.past))]
+            self.planner.labeller = adapt(self._labeller, self._features, situation.past, answers)
+        return self.planner(situation)
+
+
 class _LabelledGame:
     """A game as a labeller sees it: where it stands, and what the scorer keeps of the past."""
 
-    def __init__(self, problem: TeamProblem, labeller: Labeller) -> None:
-        self.problem, self.labeller = problem, labeller
-        features = TeamFeatures(ground_team(problem))
-        self.task = features.task
-        self.requests = find_requests(problem, self.task)
+    def __init__(self, features: TeamFeatures, labeller: Labeller) -> None:
+        self.features, self.labeller = features, labeller
+        self.problem, self.task = features.team.problem, features.task
+        self.requests = find_requests(self.problem, self.task)
         self.scorer = labeller.scorer(features)
         self.past: Actions = ()
         self.state = self.task.initial_state

@@ -2,11 +2,23 @@
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from explicable.evaluation.oracle import OraclePlanner
-from explicable.evaluation.replanning import ExplicablePlanner, Prices
-from explicable.execution import Planner, Proposal, Setting, SimulatedPerson, Situation
+from explicable.evaluation.replanning import ExplicablePlanner, LearningPlanner, Prices
+from explicable.execution import (
+    PersonFilter,
+    Planner,
+    Proposal,
+    Run,
+    Setting,
+    SimulatedPerson,
+    Situation,
+    builtin_families,
+    run,
+)
 from explicable.labelling import Labeller
 from explicable.model.grounding import ground_team
 from explicable.model.task import State
@@ -23,23 +35,41 @@ def strategies(labeller: Labeller, prices: Prices = Prices()) -> dict[str, Strat
     """Return all strategies that are compared, by name.
 
     ``follower``: a shortest way to what was last asked for; ``nearest``: without a request it heads for what
-    can be had soonest; ``ff``: the joint plan of FF; ``explicable``: the explicable joint plan; ``oracle``:
-    knows what the participant will find inexplicable.
+    can be had soonest; ``ff``: the joint plan of FF; ``explicable``: the explicable joint plan; ``learning``:
+    the same, learning the person while working; ``oracle``: knows what the participant will hold against it.
 
     Examples
     --------
-    >>> from explicable.labelling import ConditionalRandomField
+    >>> from explicable.labelling.crf import ConditionalRandomField
     >>> nothing_known = ConditionalRandomField.from_weights((True, False), [], [], [[0, 0], [0, 0]])
     >>> list(strategies(Labeller(nothing_known)))
-    ['follower', 'nearest', 'ff', 'explicable', 'oracle']
+    ['follower', 'nearest', 'ff', 'explicable', 'learning', 'oracle']
     """
     return {
         "follower": lambda _setting, _person: follow,
         "nearest": lambda setting, _person: NearestPlanner(setting),
         "ff": lambda _setting, _person: ClassicalPlanner(),
         "explicable": lambda _setting, _person: ExplicablePlanner(labeller, prices),
+        "learning": lambda setting, person: _learning(labeller, prices, setting, person),
         "oracle": lambda setting, person: OraclePlanner(setting, person, prices.alpha),
     }
+
+
+def play(strategy: Strategy, setting: Setting, person: SimulatedPerson, **options: Any) -> Run:
+    """Play a game with a strategy; one that learns is shown what happens. Options are those of `run`."""
+    planner = strategy(setting, person)
+    if isinstance(planner, LearningPlanner):
+        options["watch"] = planner.see
+    return run(setting, planner, person, **options)
+
+
+def _learning(
+    labeller: Labeller, prices: Prices, setting: Setting, person: SimulatedPerson
+) -> LearningPlanner:
+    """Return a learning planner whose guesses come from all families but the person's own."""
+    others = [family for family in builtin_families().values() if f"-{family.name}-" not in person.name]
+    guesses = PersonFilter(setting, others, np.random.default_rng(0))
+    return LearningPlanner(ExplicablePlanner(labeller, prices), guesses)
 
 
 def follow(situation: Situation) -> Proposal:  # noqa: ARG001 (a planner's signature)

@@ -1,5 +1,6 @@
 """Working together with a person."""
 
+from explicable.execution.adaptation import adapt
 from explicable.execution.course import Course, Notice, Occurrence
 from explicable.execution.episode_files import read_episode, write_episode
 from explicable.execution.episodes import (
@@ -18,6 +19,7 @@ from explicable.execution.monitor import draw_monitor
 from explicable.execution.participants import Family, Participant, builtin_families, read_families
 from explicable.execution.people import Person, ScriptedPerson, SimulatedPerson
 from explicable.execution.plans import Planner, Proposal, Situation, num_changes
+from explicable.execution.recognition import PersonFilter
 from explicable.execution.records import EpisodeRecord, Replay, record, replay
 from explicable.execution.setting import Setting, prepare
 
@@ -34,6 +36,7 @@ __all__ = [
     "Occurrence",
     "Participant",
     "Person",
+    "PersonFilter",
     "Planner",
     "Proposal",
     "Replay",
@@ -42,6 +45,7 @@ __all__ = [
     "Setting",
     "SimulatedPerson",
     "Situation",
+    "adapt",
     "assign",
     "builtin_families",
     "draw_monitor",

@@ -1,0 +1,194 @@
+"""Who is the person, what do they believe, what will they ask for next? A filter over simulated minds.
+
+A Bayesian filter. Each *guess* is a participant with a mind (`mind`), drawn from families of simulated
+participants. It watches the game as the person does, and is as probable as it makes what the person does:
+
+- a request: ``p = (1 - lapse) exp(-cost / T) / sum + lapse / n``, by the costs that the guess sees of all n
+  requests that were possible (goal recognition by inverse planning: Baker, Saxe & Tenenbaum 2009);
+- an answer: by the regret of the step for the guess, wrong with the probability ``lapse``.
+
+When few guesses carry the weight, they are drawn anew (Gordon, Salmond & Smith 1993).
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from explicable.errors import UsageError
+from explicable.execution import mind as minds
+from explicable.execution.course import Course, Occurrence
+from explicable.execution.mind import Mind
+from explicable.execution.monitor import Event
+from explicable.execution.participants import Family, Participant
+from explicable.execution.setting import Setting
+from explicable.model.problem import GroundAtom
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+@dataclass(slots=True)
+class Guess:
+    """A person that the present one may be.
+
+    Attributes
+    ----------
+    participant
+        How it judges and learns.
+    mind
+        What it believes now.
+    weight
+        Its probability.
+    regret
+        Of the last robot step, by its beliefs before the step.
+    """
+
+    participant: Participant
+    mind: Mind
+    weight: float
+    regret: float = field(default=0.0)
+
+
+class PersonFilter:
+    """What the robot believes about the person at work.
+
+    Parameters
+    ----------
+    setting
+        Where the game is played.
+    families
+        From which guesses are drawn, evenly.
+    rng
+        All chance comes from here.
+    num_guesses
+        How many: bounds time and memory.
+    temperature
+        T of the requests, in the unit of cost.
+    lapse
+        Probability that the person does what no guess explains, above 0 and below 1.
+    """
+
+    def __init__(
+        self,
+        setting: Setting,
+        families: Iterable[Family],
+        rng: "np.random.Generator",
+        *,
+        num_guesses: int = 24,
+        temperature: float = 1.0,
+        lapse: float = 0.1,
+    ) -> None:
+        drawn_from = list(families)
+        if not drawn_from or num_guesses < 1 or not (temperature > 0 and 0 < lapse < 1):
+            raise UsageError(
+                "a filter needs families, a guess or more, a temperature above 0, a lapse in (0, 1)"
+            )
+        self.setting, self._rng = setting, rng
+        self.temperature, self.lapse = temperature, lapse
+        start = Mind(setting.belief.task.initial_state)
+        self.guesses = [
+            Guess(drawn_from[i % len(drawn_from)].draw(i, rng), start, 1.0 / num_guesses)
+            for i in range(num_guesses)
+        ]
+        self._num_seen = 0
+        self._state = setting.truth.task.initial_state
+
+    def see(self, course: Course) -> None:
+        """Take in what has happened since the last time; give it to `run` as ``watch``."""
+        for occurrence in course.occurrences[self._num_seen :]:
+            if not occurrence.refusal:
+                self._take_in(occurrence)
+            self._state = occurrence.game_state
+        self._num_seen = len(course.occurrences)
+
+    def predict(self) -> Mapping[GroundAtom, float]:
+        """Return the probability of each request that the person may make next.
+
+        Empty if nothing is left to ask for. A request under way is taken to be fulfilled before that.
+        """
+        chances: dict[GroundAtom, float] = {}
+        for guess in self.guesses:
+            for action, chance in self._choices(self._settle(guess.mind)).items():
+                chances[action] = chances.get(action, 0.0) + guess.weight * chance
+        return chances
+
+    def families(self) -> dict[str, float]:
+        """Return the probability of each family, by the names of its participants."""
+        found: dict[str, float] = {}
+        for guess in self.guesses:
+            name = guess.participant.name.rsplit("-", 1)[0]
+            found[name] = found.get(name, 0.0) + guess.weight
+        return found
+
+    def _take_in(self, occurrence: Occurrence) -> None:
+        event, action, after = occurrence.event, occurrence.notice.action, occurrence.game_state
+        if event is Event.ANSWER_GIVEN and occurrence.notice.answer is not None:
+            self._weigh(lambda guess: self._answers(guess, explicable=occurrence.notice.answer is True))
+        elif event is Event.STEP_FINISHED:
+            for guess in self.guesses:
+                self._think(guess, action)
+                guess.mind = minds.watch(self.setting, guess.mind, action, self._state, after)
+        elif event is Event.PERSON_COMMANDED and after != self._state:
+            if action in self.setting.belief.requests:
+                self._weigh(lambda guess: self._choices(guess.mind).get(action, self.lapse))
+            for guess in self.guesses:
+                guess.mind = minds.watch(self.setting, guess.mind, action, self._state, after)
+
+    def _think(self, guess: Guess, action: GroundAtom) -> None:
+        """Let a guess judge a robot step and perhaps learn from it, as a simulated participant does."""
+        setting, who = self.setting, guess.participant
+        guess.mind = minds.forget(setting, who, guess.mind, self._rng)
+        guess.regret = minds.regret(setting.belief, who, guess.mind, action)
+        if guess.regret > 0:
+            guess.mind = minds.infer(setting, who, guess.mind, self._state, self._rng)
+
+    def _answers(self, guess: Guess, *, explicable: bool) -> float:
+        accepted = minds.acceptance(guess.participant, guess.regret)
+        meant = accepted if explicable else 1.0 - accepted
+        return (1.0 - self.lapse) * meant + self.lapse * (1.0 - meant)
+
+    def _choices(self, mind: Mind) -> dict[GroundAtom, float]:
+        belief = self.setting.belief
+        asks = [(cost, belief.task.action(operator)) for cost, operator in belief.ranked_asks(mind.state)]
+        if not asks:
+            return {}
+        least = asks[0][0]
+        sane = [math.exp((least - cost) / self.temperature) if least < math.inf else 1.0 for cost, _ in asks]
+        total = sum(sane)
+        return {
+            action: (1.0 - self.lapse) * weight / total + self.lapse / len(asks)
+            for weight, (_, action) in zip(sane, asks, strict=True)
+        }
+
+    def _settle(self, mind: Mind) -> Mind:
+        """Return a mind after its request was fulfilled by the way it expects."""
+        belief, state = self.setting.belief, mind.state
+        way = belief.fulfilment_way(state, mind.request) if mind.request else None
+        for operator in way or ():
+            state = belief.task.successor(state, operator)
+        return Mind(state)
+
+    def _weigh(self, likelihood: Callable[[Guess], float]) -> None:
+        for guess in self.guesses:
+            guess.weight *= likelihood(guess)
+        total = sum(guess.weight for guess in self.guesses)
+        for guess in self.guesses:
+            guess.weight /= total
+        if 1.0 / sum(guess.weight**2 for guess in self.guesses) < len(self.guesses) / 2:
+            self._draw_anew()
+
+    def _draw_anew(self) -> None:
+        """Draw guesses by their weights, evenly spaced; all weigh alike then."""
+        number, spent = len(self.guesses), 0.0
+        kept: list[Guess] = []
+        mark = float(self._rng.random())
+        for guess in self.guesses:
+            spent += guess.weight * number
+            while mark < spent and len(kept) < number:
+                kept.append(Guess(guess.participant, guess.mind, 1.0 / number, guess.regret))
+                mark += 1.0
+        while len(kept) < number:  # rounding
+            last = self.guesses[-1]
+            kept.append(Guess(last.participant, last.mind, 1.0 / number, last.regret))
+        self.guesses = kept
