@@ -20,6 +20,7 @@ they can be compared in pairs.
 
 import itertools
 import json
+import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -121,7 +122,9 @@ class Experiment:
     cells: tuple[Settings, ...]
 
     def trials(self) -> list[Trial]:
-        r"""List all trials, in the order in which their records will stand.
+        r"""List all trials, in the order in which they are done and their records stand.
+
+        All cells come once before any comes again: a run that is broken off has all of them.
 
         Examples
         --------
@@ -131,8 +134,8 @@ class Experiment:
         """
         return [
             Trial(self.name, self.kind, cell, repeat, (self.seed, repeat))
-            for cell in self.cells
             for repeat in range(self.repeats)
+            for cell in self.cells
         ]
 
 
@@ -147,8 +150,8 @@ def builtin_experiments(*, quick: bool = False) -> list[Experiment]:
     folder = resources.files("explicable.evaluation") / "experiments"
     files = sorted((file for file in folder.iterdir() if file.name.endswith(".toml")), key=lambda f: f.name)
     return [
-        parse_experiment(file.read_text("utf-8"), file.name[3:-5], quick=quick, path=file.name)
-        for file in files  # their names begin with a number, for the order
+        parse_experiment(file.read_text("utf-8"), _name(file.name), quick=quick, path=file.name)
+        for file in files
     ]
 
 
@@ -158,7 +161,7 @@ def read_experiment(path: str | Path, *, quick: bool = False) -> Experiment:
         text = Path(path).read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"not a text file in UTF-8 ({error.reason})", path=path) from error
-    return parse_experiment(text, Path(path).stem, quick=quick, path=path)
+    return parse_experiment(text, _name(Path(path).name), quick=quick, path=path)
 
 
 def parse_experiment(
@@ -207,6 +210,11 @@ def parse_experiment(
     return Experiment(
         name, content["question"], content["kind"], content.get("seed", 0), content.get("repeats", 1), cells
     )
+
+
+def _name(file: str) -> str:
+    """Name an experiment after its file; a number at the beginning is for the order only."""
+    return re.sub(r"^\d+-", "", Path(file).stem)
 
 
 def _check_words(content: Mapping[str, Any], needed: Iterable[str] = ()) -> None:

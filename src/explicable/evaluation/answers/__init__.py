@@ -9,6 +9,10 @@ from explicable.evaluation.records import Record
 
 KINDS: Mapping[str, str] = {
     "plans": "explicable.evaluation.answers.plans",
+    "labels": "explicable.evaluation.answers.labels",
+    "loops": "explicable.evaluation.answers.loops",
+    "domains": "explicable.evaluation.answers.plans",
+    "scaling": "explicable.evaluation.answers.scaling",
 }
 """Each kind of trial and the module that makes its section."""
 

@@ -49,7 +49,7 @@ def answer(experiment: Experiment, records: Sequence[Record]) -> Section:
     return Section(
         experiment.name,
         experiment.question,
-        tuple(_answers(effects)) if effects else _best(cells),
+        tuple(_answers(effects)) if effects else tuple(_gains_in_words(cells)),
         (*tables, _scores(cells), _differences(cells)),
         (*_pictures(cells), *(paper_pictures(rows) if is_paper else ())),
     )
@@ -111,17 +111,20 @@ def _where(reached: Sequence[str], num: int) -> str:
     )
 
 
-def _best(cells: _Cells) -> tuple[str, ...]:
-    """Say which plan participants find most explicable, cell by cell."""
-    sentences = []
+def _gains_in_words(cells: _Cells) -> Iterator[str]:
+    """Say what each explicable planner gains over FF's plan, and at what length."""
     for cell, plans in cells.items():
-        seen = {name: estimate(judged(rows)) for name, rows in plans.items()}
-        best = max(seen, key=lambda name: seen[name].value)
-        sentences.append(
-            f"{cell}: participants who judge find “{TITLES[best]}” most explicable,"
-            f" with F {format_estimate(seen[best])}."
-        )
-    return tuple(sentences)
+        for name, rows in plans.items():
+            if name in {"ff", "shortest", "participants"} or "ff" not in plans:
+                continue
+            text = (
+                f"{cell}: plan “{TITLES[name]}” has F {format_estimate(estimate(judged(rows)))} to"
+                f" participants who judge, {format_estimate(_gains(rows, plans['ff'])[1])} more than FF's plan"
+            )
+            if "shortest" in plans:
+                extra = _percent(_extra_cost(rows, plans["shortest"]))
+                text += f", and is {format_estimate(extra, 1, ' %')} longer than the shortest"
+            yield f"{text}."
 
 
 def _effect_table(effects: Sequence[_Effect]) -> Table:

@@ -1,11 +1,13 @@
 """Rows of records, and what is counted in them."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from explicable.evaluation.experiments import Experiment
 from explicable.evaluation.records import Record
 from explicable.evaluation.statistics import Counts, Estimate, estimate
+from explicable.evaluation.trials import default_settings
 
 Row = dict[str, Any]
 """A row of a record, with the ``cell`` and ``repeat`` that it belongs to."""
@@ -22,15 +24,17 @@ def flatten(experiment: Experiment, records: Iterable[Record]) -> list[Row]:
     >>> flatten(parse_experiment(text, "e"), [record])
     [{'cost': 7, 'cell': 'alpha 0.5', 'settings': {'alpha': 0.5}, 'repeat': 3}]
     """
+    default = default_settings(experiment.kind)
+    cells = [{**default, **cell} for cell in experiment.cells]
     varying = [
         name
         for name in dict.fromkeys(name for cell in experiment.cells for name in cell)
-        if len({repr(cell.get(name)) for cell in experiment.cells}) > 1
+        if len({repr(cell[name]) for cell in cells}) > 1
     ]
     return [
         row
         | {
-            "cell": _describe(record["settings"], varying),
+            "cell": _describe({**default, **record["settings"]}, varying),
             "settings": record["settings"],
             "repeat": record["repeat"],
         }
@@ -94,14 +98,12 @@ def problem_of(row: Row) -> str:
 
 
 def _describe(settings: Mapping[str, Any], varying: Sequence[str]) -> str:
-    parts = [
-        str(settings.get(name, "default"))
-        if isinstance(settings.get(name), str)
-        else f"{name.replace('num_', '').replace('_', ' ')} {_plain(settings.get(name, 'default'))}"
-        for name in varying
-    ]
-    return ", ".join(parts) or "all"
+    parts = [_words(name, settings[name]) for name in varying]
+    return ", ".join(filter(None, parts)) or "all"
 
 
-def _plain(value: Any) -> str:
-    return "+".join(map(str, value)) if isinstance(value, list) else str(value)
+def _words(name: str, value: Any) -> str:
+    """Name one setting's value; what is negative or empty is as in other cells, and not named."""
+    if isinstance(value, str):
+        return f"judged by {value}" if name == "judges" and value else Path(value).name
+    return "" if value < 0 else f"{name.removeprefix('num_').replace('_', ' ')} {value:g}"

@@ -13,6 +13,10 @@ from explicable.evaluation.records import Record, make_record
 
 KINDS: Mapping[str, str] = {
     "plans": "explicable.evaluation.trials.plans",
+    "labels": "explicable.evaluation.trials.labels",
+    "loops": "explicable.evaluation.trials.loops",
+    "domains": "explicable.evaluation.trials.domains",
+    "scaling": "explicable.evaluation.trials.scaling",
 }
 """Each kind of trial and the module that does it, imported when needed."""
 
@@ -53,6 +57,17 @@ def check_settings(kind: str, settings: Settings) -> None:
     if kind not in KINDS:
         raise UsageError(f"unknown kind of trial {kind!r}; known are {', '.join(KINDS)}")
     _make_settings(kind, settings)
+
+
+def default_settings(kind: str) -> Settings:
+    """Return the settings of a kind of trial where an experiment says nothing.
+
+    Examples
+    --------
+    >>> default_settings("plans")["num_traces"]
+    34
+    """
+    return {field.name: field.default for field in fields(_module(kind).Settings)}
 
 
 def _module(kind: str) -> Any:

@@ -80,7 +80,7 @@ class Settings:
 
 
 @dataclass(frozen=True, slots=True)
-class _Knowledge:
+class Knowledge:
     """What the planners have learnt from traces."""
 
     labeller: Labeller
@@ -88,7 +88,7 @@ class _Knowledge:
     alpha: float
 
 
-Planner = Callable[[TeamTask, _Knowledge], TeamPlan]
+Planner = Callable[[TeamTask, Knowledge], TeamPlan]
 
 PLANNERS: dict[str, Planner] = {
     "ff": lambda team, _: plan_classically(team, algorithm="ff"),
@@ -111,7 +111,7 @@ PLANNERS: dict[str, Planner] = {
 def measure(settings: Settings, seed: Seed) -> list[Row]:
     """Train, plan for each map with each planner, and have the plans judged: one row a plan."""
     traces = training_traces(seed, settings.family, settings.semantics, settings.num_traces, settings.noise)
-    known = _Knowledge(train(traces), HumanModel.learn(traces), settings.alpha)
+    known = Knowledge(train(traces), HumanModel.learn(traces), settings.alpha)
     judges = draw_participants(seed, settings.judges or settings.family, settings.num_judges)
     player, *_ = draw_participants((seed[0], seed[1] + 2**20), settings.judges or settings.family, 1)
     places = (_Place(seed, held, judges) for held in held_out(seed, settings.semantics, settings.num_maps))
@@ -140,7 +140,7 @@ class _Place:
         return counts
 
 
-def _row(settings: Settings, place: _Place, name: str, known: _Knowledge, player: Participant) -> Row:
+def _row(settings: Settings, place: _Place, name: str, known: Knowledge, player: Participant) -> Row:
     row: Row = {"map": place.held.name, "plan": name}
     if name == "participants":
         trace = simulate(place.setting, player, place.chance(PLAYING)).trace

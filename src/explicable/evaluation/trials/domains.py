@@ -1,0 +1,85 @@
+"""Team problems given as PDDL, whatever their domain."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from explicable.evaluation.trials.plans import PLANNERS, Knowledge
+from explicable.evaluation.trials.training import JUDGING, PLAYING, draw_participants, find_family, train
+from explicable.execution import judge, prepare, simulate, simulate_study
+from explicable.model.grounding import ground_team
+from explicable.pddl import read_team_problem
+from explicable.planning import HumanModel
+
+Row = dict[str, Any]
+Seed = tuple[int, int]
+
+FILES = ("domain.pddl", "problem.pddl", "human-domain.pddl", "human-problem.pddl")
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What a trial depends on.
+
+    Parameters
+    ----------
+    folder
+        Where `FILES` are, seen from where the command is run.
+    family
+        Of all participants.
+    num_traces
+        To learn from, all of the same problem.
+    num_judges
+        Who judge the plans, and have had no part in training.
+    alpha
+        Price of an inexplicable step, in the unit of cost.
+    plans
+        Which planners, see `explicable.evaluation.trials.plans.PLANNERS`.
+    """
+
+    folder: str = ""
+    family: str = "mission"
+    num_traces: int = 8
+    num_judges: int = 3
+    plans: tuple[str, ...] = ("ff", "greedy")
+    alpha: float = 1.0
+
+
+def measure(settings: Settings, seed: Seed) -> list[Row]:
+    """Learn from participants' games, plan for the same problem, let others judge: one row a plan."""
+    problem = read_team_problem(*(Path(settings.folder) / name for name in FILES))
+    team, setting = ground_team(problem), prepare(problem)
+    family = find_family(settings.family)
+    chance = int(np.random.default_rng(seed).integers(2**31))
+    episodes = simulate_study([problem], family, num_traces=settings.num_traces, seed=chance)
+    labeller = train([episode.trace for episode in episodes])
+    judges = draw_participants(seed, settings.family, settings.num_judges + 1)
+    game = simulate(setting, judges[-1], np.random.default_rng((*seed, PLAYING)))
+    plans = {"participants": game.trace.actions}
+    known = Knowledge(labeller, HumanModel.learn([episode.trace for episode in episodes]), settings.alpha)
+    searches = {name: PLANNERS[name](team, known) for name in settings.plans}
+    plans |= {name: found.plan.actions for name, found in searches.items() if found.plan is not None}
+    rows = []
+    for name, actions in plans.items():
+        scores = labeller.label(team, actions).scores
+        counts = []
+        for number, who in enumerate(judges[:-1]):
+            steps = judge(setting, who, actions, np.random.default_rng((*seed, JUDGING, number)))
+            labels = [step.label for step in steps if step.label is not None]
+            counts.append([who.name, sum(labels), len(labels)])
+        rows.append(
+            {
+                "map": Path(settings.folder).name,
+                "plan": name,
+                "outcome": game.ending.value if name == "participants" else searches[name].outcome.value,
+                "cost": team.task.execute(actions).cost,
+                "num_steps": scores.paper.num_steps,
+                "num_robot_steps": scores.robot.num_steps,
+                "f_paper": scores.f_paper,
+                "f_expected": scores.f_expected,
+                "judged": counts,
+            }
+        )
+    return rows

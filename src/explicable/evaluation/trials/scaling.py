@@ -1,0 +1,91 @@
+"""What planning costs in time and memory as maps, rooms, teams and differences grow."""
+
+from dataclasses import dataclass
+from functools import partial
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from explicable.evaluation.trials.training import TESTING, train, training_traces
+from explicable.first_response import encode, generate
+from explicable.labelling.features import TeamFeatures
+from explicable.model.grounding import ground_team
+from explicable.planning import plan_classically, plan_explicably
+
+Row = dict[str, Any]
+Seed = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What a trial depends on.
+
+    Parameters
+    ----------
+    side
+        Cells along each side of a map, its border aside.
+    num_marks, num_robots
+        Rooms, robots.
+    num_hidden
+        Hidden obstacles: how far the two models differ; negative: as usual for the size.
+    num_maps
+        Maps to plan for.
+    """
+
+    side: int = 6
+    num_marks: int = 4
+    num_robots: int = 1
+    num_hidden: int = -1
+    num_maps: int = 2
+
+
+def measure(settings: Settings, seed: Seed) -> list[Row]:
+    """Plan for each map, classically and explicably: one row a map."""
+    labeller = train(training_traces(seed, "myopic", "exclusive", 34))
+    rows = []
+    for number in range(settings.num_maps):
+        world = generate(
+            np.random.default_rng((*seed, TESTING, number)),
+            height=settings.side,
+            width=settings.side,
+            num_marks=settings.num_marks,
+            num_robots=settings.num_robots,
+            num_hidden=None if settings.num_hidden < 0 else settings.num_hidden,
+        )
+        began = perf_counter()
+        team = ground_team(encode(world, "exclusive"))
+        ground_s = perf_counter() - began
+        began = perf_counter()
+        TeamFeatures(team)
+        tables_s = perf_counter() - began
+        row: Row = {
+            "map": f"{settings.side}-{seed[1]}-{number}",
+            "num_operators": team.task.num_operators,
+            "ground_s": round(ground_s, 6),
+            "tables_s": round(tables_s, 6),
+        }
+        for name, plan in (
+            ("ff", partial(plan_classically, algorithm="ff")),
+            ("default", plan_classically),
+            ("explicable", partial(plan_explicably, labeller=labeller, improve_s=0)),
+        ):
+            began = perf_counter()
+            found = plan(team)
+            row |= {
+                f"{name}_plan_s": round(perf_counter() - began, 6),
+                f"{name}_evaluations": found.evaluations,
+                f"{name}_cost": found.plan.cost if found.plan else None,
+            }
+            row["outcome"] = found.outcome.value
+        rows.append(row | {"memory_bytes": _peak_memory()})
+    return rows
+
+
+def _peak_memory() -> int:
+    """Return the most memory that this process has held so far, in bytes."""
+    import resource
+    import sys
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024
