@@ -119,7 +119,7 @@ def _gains_in_words(cells: _Cells) -> Iterator[str]:
                 continue
             text = (
                 f"{cell}: plan “{TITLES[name]}” has F {format_estimate(estimate(judged(rows)))} to"
-                f" participants who judge, {format_estimate(_gains(rows, plans['ff'])[1])} more than FF's plan"
+                f" participants who judge: {format_estimate(_gains(rows, plans['ff'])[1])} over FF's plan"
             )
             if "shortest" in plans:
                 extra = _percent(_extra_cost(rows, plans["shortest"]))
