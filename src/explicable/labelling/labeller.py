@@ -292,7 +292,7 @@ class Labeller:
         return tuple(name for name in names if name not in self.schemas)
 
     def check_domain(self, problem: TeamProblem) -> None:
-        """Refuse a problem of which this labeller knows none of the robots' action schemas.
+        """Refuse a problem of which this labeller knows no robot's action, or no name if it needs names.
 
         Raises
         ------
@@ -305,15 +305,16 @@ class Labeller:
                 "this labeller was trained on another domain: "
                 f"it knows {', '.join(self.schemas) or 'nothing'}, but robots here can {', '.join(names)}"
             )
-
-    def _features(self, team: TeamTask | TeamFeatures) -> TeamFeatures:
-        features = team if isinstance(team, TeamFeatures) else TeamFeatures(team)
-        self.check_domain(features.team.problem)
-        if self.symbols == "ground" and self._names.isdisjoint(features.task.objects):
+        objects = {**problem.composite.domain.constants, **problem.composite.objects}
+        if self.symbols == "ground" and self._names.isdisjoint(objects):
             raise LabellerError(
                 "this labeller was trained on names, and knows none of the objects here: "
                 "train it on lifted features instead"
             )
+
+    def _features(self, team: TeamTask | TeamFeatures) -> TeamFeatures:
+        features = team if isinstance(team, TeamFeatures) else TeamFeatures(team)
+        self.check_domain(features.team.problem)
         return features
 
     def _weights(self, team: TeamFeatures) -> list[tuple[int, tuple[int, int, int, int], float]]:

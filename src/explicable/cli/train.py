@@ -1,0 +1,143 @@
+"""`explicable train`: from labelled traces to a labeller."""
+
+import json
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, read_labelled_traces
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from explicable.labelling.validation import Validation
+
+DEFAULT_BOOTSTRAP = 50
+
+
+@click.command()
+@click.argument("files", metavar="TRACES...", nargs=-1, required=True, type=INPUT_FILE)
+@click.option("-o", "--output", type=OUTPUT_FILE, required=True, help="Write the labeller to this file.")
+@click.option("--c1", type=click.FloatRange(min=0), default=0.0, show_default=True, help="L1 penalty.")
+@click.option("--c2", type=click.FloatRange(min=0), default=1.0, show_default=True, help="L2 penalty.")
+@click.option(
+    "--augment",
+    type=click.IntRange(min=0),
+    metavar="N",
+    help="As in the paper: learn from the names in each step instead of lifted features, and from N copies of"
+    " each trace under random renamings (the paper: 1000). Holds for objects of the same names only.",
+)
+@click.option(
+    "--bootstrap",
+    type=click.IntRange(min=0),
+    help=f"Models that tell how sure the labeller is. Default: {DEFAULT_BOOTSTRAP}, or 0 with --augment,"
+    " where each takes as long as the training itself.",
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of all chance.")
+@click.option(
+    "--cross-validate",
+    "num_folds",
+    type=click.IntRange(min=2),
+    metavar="FOLDS",
+    help="Tell how well traces are predicted that were held out, a part at a time.",
+)
+@click.option(
+    "--by",
+    type=click.Choice(["problem", "annotator"]),
+    default="problem",
+    show_default=True,
+    help="What cross-validation holds out.",
+)
+@click.option(
+    "--calibration",
+    type=OUTPUT_FILE,
+    help="Draw how often held-out steps were explicable, by predicted probability, to this SVG file.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def train(
+    files: tuple[Path, ...],
+    output: Path,
+    c1: float,
+    c2: float,
+    augment: int | None,
+    bootstrap: int | None,
+    seed: int,
+    num_folds: int | None,
+    by: Literal["problem", "annotator"],
+    calibration: Path | None,
+    as_json: bool,
+) -> None:
+    """Learn from the labelled TRACES which steps people find explicable."""
+    from explicable.labelling import Labeller
+    from explicable.labelling.validation import cross_validate
+
+    if calibration is not None and num_folds is None:
+        raise click.UsageError("--calibration needs --cross-validate")
+    if bootstrap is None:
+        bootstrap = DEFAULT_BOOTSTRAP if augment is None else 0
+    options: dict[str, Any] = {"c1": c1, "c2": c2, "num_bootstrap": bootstrap, "seed": seed}
+    if augment is not None:
+        options |= {"symbols": "ground", "num_copies": augment}
+    traces = read_labelled_traces(*files)
+    validation = None
+    with _progress(1 + (num_folds or 0)) as tell:
+        if num_folds is not None:
+            validation = cross_validate(
+                traces,
+                lambda kept: Labeller.train(kept, **options),
+                num_folds=num_folds,
+                by=by,
+                tell=lambda fold: tell(f"fold {fold + 1} of {num_folds}"),
+            )
+        tell("training")
+        labeller = Labeller.train(traces, **options)
+    labeller.save(output)
+    if validation is not None and calibration is not None:
+        from explicable.evaluation.calibration import draw_calibration
+        from explicable.model.files import write_whole
+
+        write_whole(calibration, draw_calibration(validation.steps.calibration))
+    if as_json:
+        held_out = None if validation is None else validation.as_dict()
+        click.echo(json.dumps({"labeller": str(output), **labeller.summary, "held_out": held_out}))
+        return
+    click.echo(
+        f"{output}: trained on {labeller.summary['num_labels']} labels in {len(traces)} traces", err=True
+    )
+    if validation is not None:
+        _print(validation, by)
+
+
+def _print(validation: "Validation", by: str) -> None:
+    steps = validation.steps
+    lines = [
+        (f"held out, by {by}", f"{validation.num_traces} traces, {steps.num_steps} labelled steps"),
+        ("log-loss", f"{steps.log_loss:.3f} nats (always guessing the rate: {steps.base_log_loss:.3f})"),
+        ("AUC", "-" if steps.auc is None else f"{steps.auc:.3f}"),
+        (
+            "error of E[F]",
+            f"{validation.mae_robot:.3f} (robots' steps), {validation.mae_all_steps:.3f} (all steps)",
+        ),
+        ("90, 95 % intervals", "hold " + ", ".join(f"{100 * share:.0f} %" for share in validation.covered)),
+        ("calibration error", f"{steps.calibration.error:.3f}"),
+    ]
+    for name, text in lines:
+        click.echo(f"{name:22} {text}")
+
+
+@contextmanager
+def _progress(num_parts: int) -> "Iterator[Callable[[str], None]]":
+    """Show what is under way, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("reading", total=num_parts)
+        yield lambda part: progress.update(bar, description=part, advance=1)

@@ -1,0 +1,113 @@
+"""From traces to a labeller and its labels, as a user types it."""
+
+import json
+from xml.etree import ElementTree as ET
+
+import pytest
+from test_command_line import BAD_INPUT, HUMAN, SOLVED, TASK, USAGE, explicable, place  # noqa: F401 (a fixture)
+
+
+def test_the_papers_option_from_training_to_the_plan(place, tmp_path):  # noqa: F811
+    labeller = tmp_path / "ground.json"
+    done = explicable("train", "traces.jsonl", "-o", labeller, "--augment", "3", "--json", cwd=place)
+    assert done.code == SOLVED, done.err
+    summary = json.loads(done.out)
+    assert summary["num_copies"] == 3
+    assert summary["num_bootstrap"] == 0
+    planned = explicable(
+        "plan", *TASK, *HUMAN, "--labeller", labeller, "-o", tmp_path / "plan.txt", "--json", cwd=place
+    )
+    assert planned.code == SOLVED, planned.err
+    labelled = explicable(
+        "label", labeller, *TASK, tmp_path / "plan.txt", *HUMAN, "--json", "--explain", cwd=place
+    )
+    answer = json.loads(labelled.out)
+    assert answer["scores"].items() >= json.loads(planned.out)["scores"].items()
+    spoken = [reason["feature"] for step in answer["steps"] for reason in step["reasons"]]
+    assert any("=c-" in text for text in spoken)
+    text = (place / "task/problem.pddl").read_text().replace("c-", "cell-").replace("r1", "rover")
+    (tmp_path / "renamed.pddl").write_text(text)
+    for arguments in (
+        ["label", labeller, TASK[0], tmp_path / "renamed.pddl", tmp_path / "plan.txt"],
+        ["plan", TASK[0], tmp_path / "renamed.pddl", "--labeller", labeller],
+    ):
+        refused = explicable(*arguments, cwd=place)
+        assert refused.code == BAD_INPUT
+        assert "ground.json: this labeller was trained on names" in refused.err
+
+
+def test_held_out_figures_and_their_picture(place, tmp_path):  # noqa: F811
+    options = ["--bootstrap", "3", "--cross-validate", "2", "--calibration", tmp_path / "calibration.svg"]
+    done = explicable("train", "traces.jsonl", "-o", tmp_path / "l.json", *options, cwd=place)
+    assert done.code == SOLVED, done.err
+    assert "log-loss" in done.out
+    assert ET.parse(tmp_path / "calibration.svg").getroot().tag.endswith("svg")  # noqa: S314 (our own)
+    again = explicable("train", "traces.jsonl", "-o", tmp_path / "l.json", *options, "--json", cwd=place)
+    held_out = json.loads(again.out)["held_out"]
+    assert held_out["num_traces"] == 8
+    assert sum(held_out["calibration"]["num_steps"]) == held_out["num_steps"]
+    assert 0 <= held_out["mae_all_steps"] <= held_out["mae_robot"] <= 1
+    for wrong, message in (
+        (["--cross-validate", "9"], "9 folds by problem need as many"),
+        (["--calibration", "c.svg"], "--calibration needs --cross-validate"),
+    ):
+        refused = explicable("train", "traces.jsonl", "-o", tmp_path / "no.json", *wrong, cwd=place)
+        assert (refused.code, (tmp_path / "no.json").exists()) == (USAGE, False)
+        assert message in refused.err
+
+
+@pytest.fixture
+def steps(place):  # noqa: F811
+    """The first trace of the study as plain text, with a problem of its own."""
+    record = json.loads((place / "traces.jsonl").read_text().splitlines()[0])
+    words = {True: "yes", False: "no", None: "?"}
+    lines = [f"{step['operator'].strip('()')} {words[step['label']]}" for step in record["steps"]]
+    return record, lines
+
+
+def files_of(record, folder):
+    for name, text in record["problem"].items():
+        (folder / f"{name}.pddl").write_text(text)
+    human = ["--human-domain", folder / "human_domain.pddl", "--human-problem", folder / "human_problem.pddl"]
+    return [folder / "domain.pddl", folder / "problem.pddl", *human, "--annotator", "anna"]
+
+
+def test_plain_text_becomes_traces(steps, tmp_path):
+    record, lines = steps
+    (tmp_path / "steps.txt").write_text("\n".join([*lines, "", "", *lines[:3]]) + "\n")
+    where = [*files_of(record, tmp_path), "-o", tmp_path / "traces.jsonl"]
+    done = explicable(
+        "traces", "import", tmp_path / "steps.txt", *where, "--explicable", "yes", "--inexplicable", "no"
+    )
+    assert done.code == SOLVED, done.err
+    first, second = map(json.loads, (tmp_path / "traces.jsonl").read_text().splitlines())
+    assert first["steps"] == record["steps"]
+    assert second["steps"] == record["steps"][:3]
+    assert (first["annotator"], first["origin"]) == ("anna", "person")
+    assert explicable("traces", "check", tmp_path / "traces.jsonl").code == SOLVED
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "there is no step in it"),
+        ("yes\n", "steps.txt:1: expected one step"),
+        ("move r1 c-1-1 c-9-9 yes\n", "trace 1: step 1"),
+        ("command person c-1-1 maybe\nmove r1 c-1-1 Yes\n", "steps.txt:2: 'Yes' can't be a task's name"),
+    ],
+)
+def test_plain_text_that_is_no_trace_is_refused(steps, tmp_path, text, message):
+    (tmp_path / "steps.txt").write_text(text)
+    where = [*files_of(steps[0], tmp_path), "-o", tmp_path / "traces.jsonl"]
+    done = explicable(
+        "traces", "import", tmp_path / "steps.txt", *where, "--explicable", "yes", "--inexplicable", "no"
+    )
+    assert (done.code, (tmp_path / "traces.jsonl").exists()) == (BAD_INPUT, False)
+    assert message in done.err
+
+
+def test_a_file_without_traces_is_an_error(tmp_path):
+    (tmp_path / "empty.jsonl").write_text("\n")
+    done = explicable("traces", "check", tmp_path / "empty.jsonl")
+    assert done.code == BAD_INPUT
+    assert "there is no trace in it" in done.err
