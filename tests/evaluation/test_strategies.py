@@ -55,12 +55,12 @@ def test_foresight_decides_what_is_asked_next_if_it_is_dear_enough(labeller):
 def test_what_was_announced_is_kept_if_change_is_dear_and_only_then(labeller):
     problem = encode(builtin_maps("test")["test-02"], "exclusive")
     start = prepare(problem).truth.task.initial_state
-    best = ExplicablePlanner(labeller, max_evaluations=5000)(Situation(problem, (), (), start)).actions
+    best = ExplicablePlanner(labeller, improve_s=None)(Situation(problem, (), (), start)).actions
     worst = strategies(labeller)["nearest"](prepare(problem), None)(Situation(problem, (), (), start)).actions
     assert best != worst
     announced = Situation(problem, (), worst, start)
-    assert ExplicablePlanner(labeller, Prices(beta=1000.0), max_evaluations=5000)(announced).actions == worst
-    assert ExplicablePlanner(labeller, Prices(beta=0.0), max_evaluations=5000)(announced).actions == best
+    assert ExplicablePlanner(labeller, Prices(beta=1000.0), improve_s=None)(announced).actions == worst
+    assert ExplicablePlanner(labeller, Prices(beta=0.0), improve_s=None)(announced).actions == best
 
 
 def test_the_objective_is_that_of_the_labelled_plan_given_the_past(labeller):

@@ -1,4 +1,5 @@
 import itertools
+import threading
 
 import numpy as np
 import pytest
@@ -6,14 +7,19 @@ from hospital import hospital
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from explicable.errors import UsageError
+from explicable.execution.course import Notice
 from explicable.execution.episodes import Ending
-from explicable.execution.loop import Limits, run
+from explicable.execution.facts import correct_model, observable_facts
+from explicable.execution.loop import ClosedLoop, Limits, run
 from explicable.execution.monitor import TABLE, Event, State, react
 from explicable.execution.participants import Participant
 from explicable.execution.people import ScriptedPerson, SimulatedPerson
 from explicable.execution.plans import Proposal, Situation
-from explicable.execution.robots import SimulatedRobot, SimulatedWorld
+from explicable.execution.robots import Fact, SimulatedRobot, SimulatedWorld
+from explicable.execution.robots.faultless import FaultlessRobot
 from explicable.execution.setting import prepare
+from explicable.first_response import World as Map
 from explicable.first_response import builtin_maps, encode, generate
 from explicable.model.grounding import ground_team
 from explicable.search import Outcome
@@ -186,3 +192,146 @@ def test_times_in_the_record_come_from_the_clock():
     assert times == sorted(times)
     assert set(played.planning_s) == {1.0}
     assert played.occurrences[-1].event is Event.GOAL_HOLDS
+
+
+class Waiting:
+    """A planner that answers only when it is let, as a slow one would."""
+
+    def __init__(self, planner):
+        self.planner, self.released = planner, threading.Event()
+
+    def __call__(self, situation):
+        assert self.released.wait(30)
+        return self.planner(situation)
+
+
+def test_a_late_planner_does_not_stop_the_robot_and_its_plan_is_taken_when_ready():
+    setting = prepare(encode(builtin_maps("test")["test-01"], "exclusive"))
+    planner = Waiting(ShortestJointPlanner(setting))
+
+    def watch(course):
+        if len(course.steps) >= 5:
+            planner.released.set()
+
+    person = SimulatedPerson(setting, Participant("simulated-1"), np.random.default_rng(0))
+    played = run(setting, planner, person, limits=Limits(plan_s=0.01), background=True, watch=watch)
+    assert played.episode.ending is Ending.REACHED
+    states = [occurrence.state for occurrence in played.occurrences]
+    events = [occurrence.event for occurrence in played.occurrences]
+    assert State.BRIDGING in states
+    ready = events.index(Event.PLAN_READY)
+    assert events[:ready].count(Event.STEP_FINISHED) >= 4
+    truth, asked = setting.truth, actions(played)[0]
+    after = truth.task.successor(truth.task.initial_state, truth.operator(truth.task.initial_state, asked))
+    safe = truth.fulfilment_way(after, truth.requests[asked])
+    assert actions(played)[1:5] == [truth.task.action(operator) for operator in safe[:4]]
+    check_record(played)
+
+
+def test_a_planner_that_never_answers_ends_in_a_stated_failure_or_without_it(setting):
+    planner = Waiting(ShortestJointPlanner(setting))
+    limits = Limits(plan_s=0.001, patience=10)
+    person = ScriptedPerson(setting, [ASK_PLASTER, ASK_SYRINGE])
+    played = run(setting, planner, person, limits=limits, background=True)
+    planner.released.set()
+    assert played.episode.ending is Ending.REACHED  # by the safe thing alone
+    silent = Waiting(ShortestJointPlanner(setting))
+    played = run(setting, silent, ScriptedPerson(setting, []), limits=limits, background=True)
+    silent.released.set()
+    assert played.episode.ending is Ending.STUCK
+
+
+class Slow(FaultlessRobot):
+    """A robot that needs a few looks at it before a step is done."""
+
+    def __init__(self, name, during=lambda: None):
+        super().__init__(name)
+        self.during, self.num_polls, self.num_cancelled = during, 0, 0
+
+    def poll(self, timeout_s=0.0):
+        self.num_polls += 1
+        self.during()
+        return super().poll(timeout_s) if self.num_polls % 4 == 0 else None
+
+    def cancel(self):
+        self.num_cancelled += 1
+
+
+def test_what_comes_from_outside_while_the_robot_acts_counts_after_its_step(setting):
+    notices = [
+        Notice(Event.PERSON_COMMANDED, ASK_SYRINGE),
+        Notice(Event.STEP_FAILED, ("sing",)),
+        Notice(Event.PLAN_READY),
+    ]
+
+    def during():
+        if notices:
+            loop.notify(notices.pop())
+
+    robot = Slow("robo", during)
+    loop = ClosedLoop(setting, ShortestJointPlanner(setting), ScriptedPerson(setting, [ASK_PLASTER]), [robot])
+    played = loop.run()
+    assert played.episode.ending is Ending.REACHED
+    events = [(occurrence.event, bool(occurrence.refusal)) for occurrence in played.occurrences]
+    assert (Event.PLAN_READY, True) in events
+    commanded = [
+        (occurrence.state, len(occurrence.refusal))
+        for occurrence in played.occurrences
+        if occurrence.notice == Notice(Event.PERSON_COMMANDED, ASK_SYRINGE)
+    ]
+    assert commanded[0] == (State.ACTING, 0)  # kept
+    assert commanded[1] == (State.DECIDING, 0)  # taken
+    check_record(played)
+
+
+def test_a_robot_that_says_nothing_is_asked_to_stop_and_then_taken_for_lost(setting):
+    class Silent(Slow):
+        def poll(self, timeout_s=0.0):  # noqa: ARG002 (it has nothing to say)
+            return None
+
+    ticks, robot = itertools.count(), Silent("robo")
+    played = run(
+        setting,
+        ShortestJointPlanner(setting),
+        ScriptedPerson(setting, [ASK_PLASTER, ASK_SYRINGE]),
+        [robot],
+        limits=Limits(step_s=5.0),
+        clock=lambda: float(next(ticks)),
+    )
+    assert played.episode.ending is Ending.STUCK
+    assert robot.num_cancelled == 1
+    reasons = [occurrence.notice.reason for occurrence in played.occurrences]
+    assert "the robot is lost" in reasons
+    assert "order 1 is still open" in reasons
+
+
+def test_an_aborted_game_says_so(setting):
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    loop = ClosedLoop(setting, interrupt, ScriptedPerson(setting, []))
+    with pytest.raises(KeyboardInterrupt):
+        loop.run()
+    assert loop.result().episode.ending is Ending.ABORTED
+
+
+def test_each_robot_of_the_team_must_be_there(setting):
+    with pytest.raises(UsageError, match="robo"):
+        run(setting, ShortestJointPlanner(setting), ScriptedPerson(setting, []), [FaultlessRobot("nobody")])
+
+
+@pytest.mark.parametrize("blocked", ["c-0-1", "c-0-2"])
+def test_a_way_that_is_blocked_is_found_out_and_gone_around(blocked):
+    problem = encode(Map(("@..*", "....")), "exclusive")
+    setting = prepare(problem, observable_facts(problem))
+    world = World(setting.truth.task)
+    world.state = setting.truth.stage.believe(world.state, ("clear", blocked), true=False)
+    person = ScriptedPerson(setting, [("command", "person", "c-0-3")])
+    robot = SimulatedRobot("r1", world)
+    played = run(setting, ShortestJointPlanner(setting), person, [robot], watch=world.see)
+    assert played.episode.ending is Ending.REACHED
+    moves = [occurrence for occurrence in played.occurrences if occurrence.event is Event.ROBOT_NEXT]
+    assert sum(occurrence.notice.action[-1] == blocked for occurrence in moves) == 1
+    really = correct_model(problem, [Fact(("clear", blocked), true=False)])
+    assert ground_team(really).task.execute(actions(played))
+    check_record(played)

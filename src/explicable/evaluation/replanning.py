@@ -72,9 +72,10 @@ class ExplicablePlanner:
     foresight
         What the person is believed to do next; None: no such term.
     max_evaluations
-        Budget of the anytime search, in states evaluated: the same plan every time. 0: no such search.
-    time_limit_s
-        Of each search, in seconds; None for plans that do not depend on the machine.
+        Budget of the anytime search, in states evaluated. 0: no such search.
+    improve_s
+        Seconds for the anytime search at most. Small tasks spend their budget long before. None: plans
+        never depend on the machine.
     """
 
     def __init__(
@@ -84,10 +85,10 @@ class ExplicablePlanner:
         *,
         foresight: Foresight | None = None,
         max_evaluations: int = 500,
-        time_limit_s: float | None = None,
+        improve_s: float | None = 0.1,
     ) -> None:
         self.labeller, self.prices, self.foresight = labeller, prices, foresight
-        self.max_evaluations, self.time_limit_s = max_evaluations, time_limit_s
+        self.max_evaluations, self.improve_s = max_evaluations, improve_s
         self._game: _LabelledGame | None = None
 
     def __call__(self, situation: Situation) -> Proposal:
@@ -140,7 +141,7 @@ class ExplicablePlanner:
             initial_state=game.state,
             alpha=self.prices.alpha,
             max_evaluations=self.max_evaluations if algorithm == "anytime" else None,
-            time_limit_s=self.time_limit_s,
+            time_limit_s=self.improve_s if algorithm == "anytime" else None,
         )
 
 

@@ -253,10 +253,10 @@ class Course:
             return f"{format_action(action)} is no step that the robot can take now"
         if event is Event.GOAL_HOLDS and not self.has_reached_goal:
             return "the goal does not hold"
-        if event is Event.STEP_FINISHED and self.step_under_way:
+        if event in (Event.STEP_FINISHED, Event.STEP_FAILED) and self.step_under_way:
             if action != self._under_way:
                 return f"{format_action(action)} is not what the robot was sent to do"
-            if not self.allows(action):
+            if event is Event.STEP_FINISHED and not self.allows(action):
                 return f"{format_action(action)} can't be done, as far as is known"
         if event is Event.FACT_OBSERVED:
             try:

@@ -358,13 +358,18 @@ class ClosedLoop:
         self._desk.request(self.course.situation)
 
     def _hear_planner(self) -> Notice:
+        if self.course.has_reached_goal:
+            return Notice(Event.GOAL_HOLDS)
         waited_s = self._clock() - self._requested_at
         step = self._bridge() if waited_s > self._limits.plan_s else ()
         proposal = self._propose(0.0 if step else self._limits.plan_s)
         if proposal is not None:
             return proposal
         step = self._bridge()
-        return Notice(Event.ROBOT_NEXT, step) if step else Notice(Event.TIME_PASSED)
+        if step:
+            return Notice(Event.ROBOT_NEXT, step)
+        asked = self._person_chooses() if self._person.request is None else ()
+        return Notice(Event.PERSON_COMMANDED, asked) if asked else Notice(Event.TIME_PASSED)
 
     def _propose(self, timeout_s: float) -> Notice | None:
         proposal = self._desk.poll(timeout_s)

@@ -110,6 +110,7 @@ TABLE: Mapping[tuple[State, Event], Transition] = MappingProxyType(
         (State.LISTENING, Event.ABORT): (State.ABORTED, ()),
         # The planner is at work. A plan for what has since changed is of no use: then it starts again. If it
         # is late, the robot goes on with what is left of the old plan, or does the safe thing.
+        (State.PLANNING, Event.GOAL_HOLDS): (State.REACHED, (Command.CANCEL_PLANNER,)),
         (State.PLANNING, Event.PLAN_READY): (State.DECIDING, (Command.ADOPT_PLAN,)),
         (State.PLANNING, Event.PLANNER_FAILED): (State.DECIDING, (Command.ADOPT_SAFE_PLAN,)),
         (State.PLANNING, Event.NO_PLAN_EXISTS): (State.FAILED, ()),

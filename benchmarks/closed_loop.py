@@ -1,0 +1,286 @@
+"""Robot and simulated participant in closed loop: the strategies side by side, latency, and rate.
+
+Run ``python benchmarks/closed_loop.py``; it keeps one JSON line a game in ``--records`` and makes
+docs/closed-loop.md of them. With ``--page-only`` it makes the page of the records that there are. Times are
+CPU seconds of one core. The labeller learns from 34 simulated traces of the built-in training maps, all of
+the family *myopic*; the maps of the games have seeds of their own.
+"""
+
+import json
+import os
+import platform
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import click
+import numpy as np
+
+from explicable.evaluation.statistics import Counts, Estimate, estimate, estimate_ratio
+from explicable.evaluation.strategies import play, strategies
+from explicable.execution import Ending, SimulatedPerson, builtin_families, prepare, simulate_study
+from explicable.first_response import builtin_maps, encode, generate
+from explicable.labelling import Labeller
+from explicable.model.files import write_whole
+
+ROOT = Path(__file__).parents[1]
+NUM_PARTICIPANTS = 20
+"""Of each family; they take turns on the maps."""
+
+
+@dataclass(frozen=True, slots=True)
+class Game:
+    """What came out of one game."""
+
+    experiment: str
+    strategy: str
+    family: str
+    map: int
+    participant: int
+    ending: str
+    steps: int
+    robot_steps: int
+    inexplicable: int
+    deviations: int
+    changes: int
+    plans_s: tuple[float, ...]
+    total_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Experiment:
+    """Games on generated maps."""
+
+    name: str
+    side: int
+    marks: int
+    semantics: str
+    maps: range
+    families: tuple[str, ...]
+    strategies: tuple[str, ...]
+
+
+def experiments(num_maps: int, num_games: int, num_large: int) -> Iterator[Experiment]:
+    """All of them; participants on a mission need exact costs of whole missions, too dear on large maps."""
+    every, few = ("myopic", "mission", "boltzmann"), ("myopic", "boltzmann")
+    compared = ("follower", "nearest", "ff", "explicable", "learning", "oracle")
+    for semantics in ("persistent", "exclusive"):
+        seeds = range(70_000, 70_000 + num_maps)
+        yield Experiment(f"strategies, {semantics}", 6, 4, semantics, seeds, every, compared)
+    seeds = range(80_000, 80_000 + (num_games + 2) // 3)
+    yield Experiment("replanning, 6x6", 6, 4, "persistent", seeds, every, ("explicable",))
+    seeds = range(90_000, 90_000 + (num_large + 1) // 2)
+    yield Experiment("replanning, 30x30", 30, 8, "persistent", seeds, few, ("explicable",))
+
+
+def games(experiment: Experiment, labeller: Labeller) -> Iterator[Game]:
+    """Play; every strategy meets the same participants with the same chance."""
+    made = strategies(labeller)
+    for seed in experiment.maps:
+        world = generate(
+            np.random.default_rng(seed),
+            height=experiment.side,
+            width=experiment.side,
+            num_marks=experiment.marks,
+        )
+        setting = prepare(encode(world, experiment.semantics))
+        for family in experiment.families:
+            number = seed % NUM_PARTICIPANTS
+            participant = builtin_families()[family].draw(number, np.random.default_rng((1, number)))
+            for name in experiment.strategies:
+                person = SimulatedPerson(setting, participant, np.random.default_rng((2, seed)))
+                began = time.process_time()
+                played = play(made[name], setting, person, clock=time.process_time)
+                total_s = time.process_time() - began
+                labels = [step.label for step in played.episode.trace.steps if step.label is not None]
+                yield Game(
+                    experiment.name,
+                    name,
+                    family,
+                    seed,
+                    number,
+                    played.episode.ending.value,
+                    len(played.episode.trace.steps),
+                    len(labels),
+                    labels.count(False),
+                    played.num_deviations,
+                    played.num_changes,
+                    played.planning_s,
+                    total_s,
+                )
+
+
+def rate(num_games: int) -> Iterator[Game]:
+    """Play again and again on one map, with a robot that follows: the loop and the participant alone."""
+    setting = prepare(encode(generate(np.random.default_rng(60_001)), "exclusive"))
+    made = strategies(Labeller.train(_traces("exclusive"), num_bootstrap=0))["nearest"]
+    for seed in range(num_games):
+        number = seed % NUM_PARTICIPANTS
+        participant = builtin_families()["myopic"].draw(number, np.random.default_rng((1, number)))
+        person = SimulatedPerson(setting, participant, np.random.default_rng((2, seed)))
+        began = time.process_time()
+        played = play(made, setting, person)
+        total_s = time.process_time() - began
+        steps, ending = len(played.episode.trace.steps), played.episode.ending.value
+        yield Game(
+            "rate",
+            "nearest",
+            "myopic",
+            60_001,
+            number,
+            ending,
+            steps,
+            steps,
+            0,
+            0,
+            0,
+            played.planning_s,
+            total_s,
+        )
+
+
+def _traces(semantics: str) -> list:
+    training = [encode(world, semantics) for world in builtin_maps("training").values()]
+    return [
+        episode.trace
+        for episode in simulate_study(training, builtin_families()["myopic"], num_traces=34, seed=0)
+    ]
+
+
+def read(path: Path) -> tuple[dict, list[Game]]:
+    """Read header and games."""
+    header, *lines = map(json.loads, path.read_text().splitlines())
+    return header, [Game(**{**line, "plans_s": tuple(line["plans_s"])}) for line in lines]
+
+
+def page(header: dict, found: list[Game]) -> Iterator[str]:
+    """Make the page."""
+    yield "# Closed loop: robot and simulated participants\n"
+    yield "Made by `python benchmarks/closed_loop.py` from recorded games; don't edit by hand."
+    yield "Nobody here is a person: participants are simulated, and what they find inexplicable is what their"
+    yield "rule says. The labeller learnt from 34 traces of simulated *myopic* participants on other maps."
+    yield f"{header['when']}; {header['machine']}; load {header['load']:.1f}; CPU seconds of one core.\n"
+    for experiment in dict.fromkeys(game.experiment for game in found):
+        rows = [game for game in found if game.experiment == experiment]
+        if experiment.startswith("strategies"):
+            yield from _strategies_table(experiment, rows)
+    yield from _latency(found)
+    yield ""
+    yield (Path(__file__).parent / "closed_loop_notes.md").read_text().rstrip()
+
+
+def _strategies_table(experiment: str, rows: list[Game]) -> Iterator[str]:
+    maps, families = {game.map for game in rows}, sorted({game.family for game in rows})
+    yield f"\n## {experiment.capitalize()} commands\n"
+    yield f"{len(maps)} maps of 6x6 cells with 4 marks (seeds {min(maps)} to {max(maps)}),"
+    yield f"{NUM_PARTICIPANTS} participants of each family ({', '.join(families)}); means a game with 95 %"
+    yield "intervals, bootstrap over maps and participants. Team time is counted in steps.\n"
+    yield _row(
+        "strategy",
+        "games",
+        "goal reached",
+        "inexplicable robot steps",
+        "deviations",
+        "changed requests",
+        "team time",
+        "replans",
+        "ms a plan",
+    )
+    yield _row("---", *["---:"] * 8)
+    for name in dict.fromkeys(game.strategy for game in rows):
+        mine = [game for game in rows if game.strategy == name]
+        reached = sum(game.ending == Ending.REACHED.value for game in mine)
+        figures = [
+            _show(estimate(_counts(mine, what)))
+            for what in ("inexplicable", "deviations", "changes", "steps")
+        ]
+        replans = sum(len(game.plans_s) - 1 for game in mine) / len(mine)
+        plan_ms = 1000 * sum(sum(game.plans_s) for game in mine) / sum(len(game.plans_s) for game in mine)
+        yield _row(name, len(mine), reached, *figures, f"{replans:.2f}", f"{plan_ms:.1f}")
+    yield "\nRatios to FF under replanning:\n"
+    yield _row("strategy", "family", "inexplicable steps", "deviations", "team time")
+    yield _row("---", "---", *["---:"] * 3)
+    for name in ("explicable", "learning", "oracle"):
+        for family in ("all", *families):
+            ours, ffs = (
+                [g for g in rows if g.strategy == strategy and family in ("all", g.family)]
+                for strategy in (name, "ff")
+            )
+            ratios = [
+                _show(estimate_ratio(_counts(ours, what), _counts(ffs, what)))
+                for what in ("inexplicable", "deviations", "steps")
+            ]
+            yield _row(name, family, *ratios)
+
+
+def _row(*cells: object) -> str:
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+def _counts(rows: list[Game], what: str) -> Counts:
+    return Counts(
+        [getattr(game, what) for game in rows],
+        [1.0] * len(rows),
+        [game.map for game in rows],
+        [f"{game.family}-{game.participant}" for game in rows],
+    )
+
+
+def _show(found: Estimate) -> str:
+    return f"{found.value:.2f} [{found.low:.2f}, {found.high:.2f}]"
+
+
+def _latency(found: list[Game]) -> Iterator[str]:
+    yield "\n## Latency and rate\n"
+    yield _row("what", "games", "replans", "median ms", "99th percentile ms", "most ms", "to reach")
+    yield _row("---", *["---:"] * 6)
+    for name, aim in (("replanning, 6x6", 20), ("replanning, 30x30", 200)):
+        rows = [game for game in found if game.experiment == name]
+        replans = np.array([s for game in rows for s in game.plans_s[1:]]) * 1000
+        if replans.size:
+            figures = np.quantile(replans, [0.5, 0.99, 1.0])
+            verdict = "reached" if figures[1] <= aim else "**missed**"
+            shown = [f"{figure:.1f}" for figure in figures]
+            yield _row(name, len(rows), replans.size, *shown, f"{aim} at the 99th: {verdict}")
+    warm = [game.total_s for game in found if game.experiment == "rate"][100:]
+    if warm:
+        yield f"\nGames a second on a 6x6 map, warm, without rendering: {1 / np.mean(warm):.0f}"
+        yield f"(n = {len(warm)}; to reach: 200)."
+
+
+@click.command()
+@click.option("--maps", default=200, show_default=True, help="Maps on which strategies are compared.")
+@click.option(
+    "--games", "num_games", default=1000, show_default=True, help="Games for the latency on 6x6 maps."
+)
+@click.option("--large", default=40, show_default=True, help="Games for the latency on 30x30 maps.")
+@click.option(
+    "--records", type=click.Path(path_type=Path), default=ROOT / "build" / "benchmarks" / "closed-loop.jsonl"
+)
+@click.option("--page-only", is_flag=True, help="Only make the page of the records.")
+def main(maps: int, num_games: int, large: int, records: Path, page_only: bool) -> None:
+    """Play all games, keep the records, make the page."""
+    if not page_only:
+        records.parent.mkdir(parents=True, exist_ok=True)
+        header = {
+            "when": datetime.now(UTC).isoformat(timespec="minutes"),
+            "machine": f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}",
+            "load": os.getloadavg()[0],
+        }
+        with records.open("w") as file:
+            file.write(json.dumps(header) + "\n")
+            for experiment in experiments(maps, num_games, large):
+                labeller = Labeller.train(_traces(experiment.semantics), num_bootstrap=0)
+                for game in games(experiment, labeller):
+                    file.write(json.dumps(asdict(game)) + "\n")
+                    file.flush()
+                click.echo(experiment.name, err=True)
+            for game in rate(600):
+                file.write(json.dumps(asdict(game)) + "\n")
+    write_whole(ROOT / "docs" / "closed-loop.md", "\n".join(page(*read(records))) + "\n")
+
+
+if __name__ == "__main__":
+    main()
