@@ -4,7 +4,12 @@ import re
 from pathlib import Path
 
 from explicable.evaluation.demo import PLAN_TITLES, draw, run_demo
+from explicable.first_response import encode, read_map
+from explicable.model.durations import read_durations
 from explicable.model.files import write_whole
+from explicable.model.grounding import ground_team
+from explicable.planning import plan_schedule
+from explicable.planning.gantt import draw_schedule
 
 MAP = "test-02"
 GAP = 24
@@ -29,3 +34,15 @@ demo = run_demo(seed=0)
 records = [record for record in demo.records if record.map == MAP]
 pictures = [draw(demo, record, PLAN_TITLES[record.plan_type]) for record in records]
 write_whole(IMAGES / "three-plans.svg", place_side_by_side(pictures))
+
+# Few nodes and much time: so the picture is the same each time.
+example = Path(__file__).parents[1] / "examples" / "first-response-team"
+team_task = ground_team(encode(read_map(example / "team.map"), num_people=2))
+planned = plan_schedule(
+    team_task, read_durations(example / "durations.toml"), time_limit_s=600.0, max_width=64
+)
+people = [agent.name for agent in team_task.problem.agents if agent.kind == "human"]
+if planned.schedule is None:
+    raise RuntimeError("the example has no plan")
+title = f"two robots, two people: done at {planned.schedule.makespan:g}"
+write_whole(IMAGES / "schedule.svg", draw_schedule(planned.schedule, people=people, title=title))

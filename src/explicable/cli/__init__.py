@@ -32,6 +32,7 @@ COMMANDS = {
     "demo": "explicable.cli.demo",
     "team": "explicable.cli.team",
     "plan": "explicable.cli.plan",
+    "schedule": "explicable.cli.schedule",
     "simulate": "explicable.cli.simulate",
     "train": "explicable.cli.train",
     "label": "explicable.cli.labels",

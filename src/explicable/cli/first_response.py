@@ -69,11 +69,12 @@ def generate(
 @map_argument
 @click.option("-o", "--output", type=OUTPUT_FOLDER, required=True, help="Folder for the four PDDL files.")
 @semantics_option
-def encode(map_file: Path, output: Path, semantics: maps.Semantics) -> None:
+@click.option("--people", type=click.IntRange(min=1), default=1, show_default=True, help="Who command.")
+def encode(map_file: Path, output: Path, semantics: maps.Semantics, people: int) -> None:
     """Write MAP as PDDL: domain, problem, human-domain and human-problem."""
     from explicable.labelling import problem_texts
 
-    texts = problem_texts(maps.encode(maps.read_map(map_file), semantics))
+    texts = problem_texts(maps.encode(maps.read_map(map_file), semantics, num_people=people))
     for part, text in texts.items():
         path = output / f"{part.replace('_', '-')}.pddl"
         write_whole(path, text)

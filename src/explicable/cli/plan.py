@@ -19,7 +19,7 @@ from explicable.cli.files import (
 
 if TYPE_CHECKING:
     from explicable.planning import TeamPlan, ToldPlan
-    from explicable.search import Algorithm
+    from explicable.search import Algorithm, Outcome
 
 SCORES = ("f_paper", "f_robot", "f_expected")
 
@@ -156,13 +156,16 @@ def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:
 
 def exit_code(result: "TeamPlan | ToldPlan") -> int:
     """Exit code of a plan's outcome; a plan in hand is success, however the search ended."""
+    return 0 if result.plan is not None else failure_code(result.outcome)
+
+
+def failure_code(outcome: "Outcome") -> int:
+    """Exit code where there is no plan."""
     from explicable.search import Outcome
 
-    if result.plan is not None:
-        return 0
     codes = {
         Outcome.UNSOLVABLE: EXIT_UNSOLVABLE,
         Outcome.LIMIT: EXIT_LIMIT,
         Outcome.INTERRUPTED: EXIT_INTERRUPTED,
     }
-    return codes[result.outcome]
+    return codes[outcome]

@@ -24,7 +24,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from explicable.model.durations import Durations
-from explicable.model.plan import Step
+from explicable.model.plan import Step, format_action
 from explicable.model.problem import GroundAtom
 from explicable.model.task import State, Task
 from explicable.model.team import TeamProblem
@@ -165,6 +165,23 @@ def make_schedule(
         ),
         max(ends, default=0.0),
     )
+
+
+def format_schedule(schedule: Schedule) -> str:
+    """Write a schedule as the planning competitions write temporal plans: start, action, duration.
+
+    Examples
+    --------
+    >>> step = ScheduledStep(Step("r1", ("move", "r1", "a", "b")), 0.0, 1.5, ())
+    >>> print(format_schedule(Schedule((step,), 1.5)), end="")
+    0.000: (move r1 a b) [1.500]
+    ; makespan = 1.5
+    """
+    lines = [
+        f"{scheduled.start:.3f}: {format_action(scheduled.step.action)} [{scheduled.duration:.3f}]\n"
+        for scheduled in schedule.steps
+    ]
+    return "".join(lines) + f"; makespan = {schedule.makespan:g}\n"
 
 
 class _Deordering:

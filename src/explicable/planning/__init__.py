@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from explicable.planning.correction import correct
     from explicable.planning.differences import Comparison, Difference, compare, find_differences
     from explicable.planning.explanation import Finding, StepExplanation, explain
-    from explicable.planning.makespan import ScheduledPlan, plan_schedule
+    from explicable.planning.makespan import ScheduledPlan, plan_schedule, schedule_plan
     from explicable.planning.measures import Measures, measure
     from explicable.planning.pareto import FrontPlan, choose, front, plan_within_budget
     from explicable.planning.planner import (
@@ -57,6 +57,7 @@ _HOMES = {
     "plan_schedule": "makespan",
     "plan_within_budget": "pareto",
     "rank": "ranking",
+    "schedule_plan": "makespan",
 }
 
 __all__ = [
@@ -89,6 +90,7 @@ __all__ = [
     "plan_schedule",
     "plan_within_budget",
     "rank",
+    "schedule_plan",
 ]
 
 

@@ -135,6 +135,53 @@ def plan_schedule(
     )
 
 
+def schedule_plan(
+    team_task: TeamTask,
+    actions: Actions,
+    durations: Durations | None = None,
+    *,
+    labeller: "Labeller | None" = None,
+    alpha: float = 1.0,
+) -> ScheduledPlan:
+    """Let the steps of a given plan overlap where they don't interfere.
+
+    Its steps and its partial order stay; the lower bound is that of any plan, from the relaxation.
+
+    Raises
+    ------
+    PlanError
+        At the first step that is not applicable.
+    UsageError
+        If alpha is negative or not finite.
+
+    Examples
+    --------
+    >>> from explicable.first_response import World, encode
+    >>> from explicable.model.grounding import ground_team
+    >>> plan = [
+    ...     ("command", "person", "c-0-1"),
+    ...     ("move", "r1", "c-0-0", "c-0-1"),
+    ...     ("visit-room", "r1", "c-0-1"),
+    ... ]
+    >>> schedule_plan(ground_team(encode(World(("@*",)))), tuple(plan)).schedule.makespan
+    2.0
+    """
+    began = time.perf_counter()
+    durations = durations or Durations()
+    schedule = make_schedule(team_task.problem, team_task.task, actions, durations)
+    labelled = labeller.label(team_task, schedule.actions) if labeller else None
+    timetable = Timetable(team_task, durations)
+    bound = float(RelaxedTimes(timetable).rate([timetable.root()])[0][0])
+    objective = _objective(schedule, labelled, check_alpha(alpha))
+    return ScheduledPlan(Outcome.SOLVED, schedule, labelled, objective, bound, 1, time.perf_counter() - began)
+
+
+def _objective(schedule: Schedule, labelled: "LabelledPlan | None", alpha: float) -> float:
+    if labelled is None or labelled.scores.f_expected is None:
+        return schedule.makespan
+    return schedule.makespan + alpha * len(schedule.steps) * (1.0 - labelled.scores.f_expected)
+
+
 class _Best:
     """The best schedule so far."""
 
@@ -152,9 +199,7 @@ class _Best:
         schedule = self._lean(self._schedule(actions))
         self.least_makespan = min(self.least_makespan, schedule.makespan)
         labelled = self.labeller.label(self.team_task, schedule.actions) if self.labeller else None
-        objective = schedule.makespan
-        if labelled is not None and labelled.scores.f_expected is not None:
-            objective += self.alpha * len(schedule.steps) * (1.0 - labelled.scores.f_expected)
+        objective = _objective(schedule, labelled, self.alpha)
         if (objective, len(schedule.steps)) < (self.objective, self.num_steps):
             self.schedule, self.labelled = schedule, labelled
             self.objective, self.num_steps = objective, len(schedule.steps)

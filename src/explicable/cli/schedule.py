@@ -1,0 +1,137 @@
+"""`explicable schedule`: joint plans in which several agents act at once."""
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, naming, team_problem_arguments
+from explicable.cli.plan import failure_code
+from explicable.errors import PlanError
+from explicable.model.plan import format_action
+
+if TYPE_CHECKING:
+    from explicable.labelling import LabelledPlan
+    from explicable.model.schedule import Schedule
+    from explicable.model.team import TeamProblem, TeamTask
+    from explicable.planning import ScheduledPlan
+
+
+@click.command()
+@team_problem_arguments
+@click.argument("plan_file", metavar="[PLAN]", type=INPUT_FILE, required=False)
+@click.option(
+    "--durations",
+    "durations_file",
+    metavar="FILE",
+    type=INPUT_FILE,
+    help="TOML: default, [schemas] and [actions]. Without it each step takes 1.",
+)
+@click.option(
+    "--labeller", "labeller_file", type=INPUT_FILE, help="What people find explicable (see `train`)."
+)
+@click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0, min_open=True),
+    default=10.0,
+    show_default=True,
+    help="Seconds for planning.",
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Breaks ties.")
+@click.option("--svg", "svg_file", type=OUTPUT_FILE, help="Draw the schedule into this file.")
+@click.option("-o", "--output", type=OUTPUT_FILE, help="Write the schedule to this file, as a temporal plan.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def schedule(
+    paths: TeamProblemPaths,
+    plan_file: Path | None,
+    durations_file: Path | None,
+    labeller_file: Path | None,
+    alpha: float,
+    time_limit: float,
+    seed: int,
+    svg_file: Path | None,
+    output: Path | None,
+    as_json: bool,
+) -> int:
+    """Let the steps of PLAN overlap where they don't interfere; without PLAN, plan for a short makespan.
+
+    Every order that the schedule leaves open is executable and ends in the same state. Exit code: 0 done,
+    4 proved unsolvable, 5 limit reached, 3 bad input, 2 wrong usage.
+    """
+    from explicable.model.durations import Durations, read_durations
+    from explicable.model.files import write_whole
+    from explicable.model.grounding import ground_team
+    from explicable.model.plan import read_plan
+    from explicable.model.schedule import format_schedule
+    from explicable.planning import check_alpha, plan_schedule, schedule_plan
+
+    check_alpha(alpha)
+    labeller = None
+    if labeller_file is not None:
+        from explicable.labelling import Labeller
+
+        labeller = Labeller.load(labeller_file)
+    durations = read_durations(durations_file) if durations_file else Durations()
+    team_task = ground_team(paths.read())
+    if plan_file is None:
+        result = plan_schedule(
+            team_task, durations, labeller=labeller, alpha=alpha, time_limit_s=time_limit, seed=seed
+        )
+    else:
+        with naming(plan_file, PlanError):
+            result = schedule_plan(team_task, read_plan(plan_file), durations, labeller=labeller, alpha=alpha)
+    if result.schedule is not None and output:
+        write_whole(output, format_schedule(result.schedule))
+    if result.schedule is not None and svg_file:
+        write_whole(svg_file, _draw(result.schedule, result.labelled, team_task.problem))
+    if as_json:
+        click.echo(json.dumps(describe(result, team_task)))
+    elif result.schedule is None:
+        click.echo(f"no plan: {result.outcome.value}", err=True)
+    elif not output:
+        click.echo(format_schedule(result.schedule), nl=False)
+    return 0 if result.schedule is not None else failure_code(result.outcome)
+
+
+def describe(result: "ScheduledPlan", team_task: "TeamTask") -> dict[str, Any]:
+    """The object that `--json` prints."""
+    schedule, labelled = result.schedule, result.labelled
+    record: dict[str, Any] = {"outcome": result.outcome.value, "schedule": None}
+    if schedule is None:
+        return record
+    probabilities = labelled.probabilities if labelled else [None] * len(schedule.steps)
+    record["schedule"] = [
+        {
+            "start": scheduled.start,
+            "duration": scheduled.duration,
+            "agent": scheduled.step.agent,
+            "action": format_action(scheduled.step.action),
+            "after": scheduled.after,
+            "explicable": probability,
+        }
+        for scheduled, probability in zip(schedule.steps, probabilities, strict=True)
+    ]
+    end = team_task.task.execute(schedule.actions).states[-1]
+    return record | {
+        "makespan": schedule.makespan,
+        "critical_path": schedule.critical_path,
+        "lower_bound": result.lower_bound if math.isfinite(result.lower_bound) else None,
+        "reaches_goal": team_task.task.is_goal(end),
+        "objective": result.objective,
+        "scores": labelled.scores.as_dict() if labelled else None,
+        "search_s": result.search_s,
+    }
+
+
+def _draw(schedule: "Schedule", labelled: "LabelledPlan | None", problem: "TeamProblem") -> str:
+    from explicable.planning.gantt import draw_schedule
+
+    return draw_schedule(
+        schedule,
+        people=[agent.name for agent in problem.agents if agent.kind == "human"],
+        probabilities=labelled.probabilities if labelled else None,
+        title=f"makespan {schedule.makespan:g}",
+    )

@@ -1,0 +1,153 @@
+"""A schedule as a picture: one row an agent, one bar a step, in SVG."""
+
+import math
+from collections.abc import Sequence
+
+from explicable.first_response.glyphs import COMMAND_FILL, COMMAND_INK, FONT, INK, clean, number, shade
+from explicable.model.plan import format_action
+from explicable.model.schedule import Schedule, ScheduledStep
+
+_ROW, _BAR, _MARGIN, _LABELS = 46.0, 30.0, 14.0, 90.0
+_WIDTH = 900.0
+_LETTER = 5.8
+"""Width of a letter of the bars' texts, roughly."""
+_CALM = "#dfe3ea"
+_LINK = "#8a909c"
+
+
+def draw_schedule(
+    schedule: Schedule,
+    *,
+    people: Sequence[str] = (),
+    probabilities: Sequence[float | None] | None = None,
+    title: str | None = None,
+) -> str:
+    """Draw a schedule as a Gantt chart.
+
+    Steps on the critical path have a heavy frame. Robots' steps are blue where they are probably explicable,
+    orange and dashed where they are probably not, and grey without labels. People's steps are yellow.
+
+    Parameters
+    ----------
+    people
+        Names of the agents who are people.
+    probabilities
+        Of each step of the schedule, that it is explicable; None where that is not asked.
+    title
+        Written above.
+
+    Returns
+    -------
+    str
+        An SVG document.
+
+    Examples
+    --------
+    >>> from explicable.first_response import World, encode
+    >>> from explicable.model.grounding import ground
+    >>> from explicable.model.schedule import make_schedule
+    >>> team = encode(World(("@.*",)))
+    >>> draw_schedule(make_schedule(team, ground(team.composite), [("move", "r1", "c-0-0", "c-0-1")]))[:4]
+    '<svg'
+    """
+    top = _MARGIN + (26.0 if title else 0.0)
+    height = top + _ROW * len(schedule.agents) + 44.0
+    scale = (_WIDTH - _LABELS - 2 * _MARGIN) / max(schedule.makespan, 1e-9)
+    left = _MARGIN + _LABELS
+    rows = {agent: top + _ROW * row for row, agent in enumerate(schedule.agents)}
+    boxes = [
+        (left + step.start * scale, rows[step.step.agent] + (_ROW - _BAR) / 2, step.duration * scale)
+        for step in schedule.steps
+    ]
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {number(_WIDTH)} {number(height)}"'
+        f' width="{number(_WIDTH)}" height="{number(height)}" {FONT} font-size="12" fill="{INK}" role="img">',
+        f"<title>{clean(title or 'schedule')}</title>",
+        '<rect width="100%" height="100%" fill="#ffffff"/>',
+    ]
+    if title:
+        parts.append(f'<text x="{number(_MARGIN)}" y="26" font-size="15">{clean(title)}</text>')
+    parts += _axis(schedule.makespan, left, top, height, scale)
+    for agent, y in rows.items():
+        text_y = number(y + _ROW / 2 + 4)
+        parts.append(f'<text x="{number(_MARGIN)}" y="{text_y}" font-size="13">{clean(agent)}</text>')
+    parts += _links(schedule, boxes)
+    critical = set(schedule.critical_path)
+    for place, (step, box) in enumerate(zip(schedule.steps, boxes, strict=True)):
+        is_person = step.step.agent in people
+        probability = None if probabilities is None or is_person else probabilities[place]
+        parts += _bar(step, box, is_person, probability, is_critical=place in critical)
+    parts.append("</svg>")
+    return "\n".join(parts) + "\n"
+
+
+def _axis(makespan: float, left: float, top: float, height: float, scale: float) -> list[str]:
+    parts = []
+    bottom = height - 30.0
+    step = _tick(makespan)
+    for tick in range(int(makespan / step + 1e-9) + 1):
+        x = number(left + tick * step * scale)
+        parts.append(
+            f'<line x1="{x}" y1="{number(top)}" x2="{x}" y2="{number(bottom)}" stroke="#e4e0d6"/>'
+            f'<text x="{x}" y="{number(bottom + 18)}" text-anchor="middle" fill="{_LINK}">'
+            f"{tick * step:g}</text>"
+        )
+    return parts
+
+
+def _tick(makespan: float) -> float:
+    """Return a round distance between ticks, so that there are at most 16 intervals."""
+    size = 10.0 ** math.floor(math.log10(max(makespan, 1e-6) / 16))
+    return next(size * factor for factor in (1, 2, 5, 10) if makespan / (size * factor) <= 16)
+
+
+def _links(schedule: Schedule, boxes: Sequence[tuple[float, float, float]]) -> list[str]:
+    """Draw who waits for whom, between agents."""
+    parts = []
+    for step, (x, y, _) in zip(schedule.steps, boxes, strict=True):
+        for before in step.after:
+            if schedule.steps[before].step.agent != step.step.agent:
+                from_x, from_y, width = boxes[before]
+                start = f"{number(from_x + width)} {number(from_y + _BAR / 2)}"
+                parts.append(
+                    f'<path d="M {start} L {number(x)} {number(y + _BAR / 2)}" fill="none" stroke="{_LINK}"/>'
+                )
+    return parts
+
+
+def _bar(
+    step: ScheduledStep,
+    box: tuple[float, float, float],
+    is_person: bool,
+    probability: float | None,
+    *,
+    is_critical: bool,
+) -> list[str]:
+    x, y, width = box
+    action = format_action(step.step.action)
+    fill = COMMAND_FILL if is_person else _CALM if probability is None else shade(probability)
+    ink = "#ffffff" if probability is not None else COMMAND_INK if is_person else INK
+    dashes = ' stroke-dasharray="5 3"' if probability is not None and probability < 0.5 else ""
+    frame = f'stroke="{INK}" stroke-width="{2.5 if is_critical else 0.8}"'
+    says = f"{step.start:g} to {step.end:g}: {action}"
+    if probability is not None:
+        says += f", explicable with probability {probability:.2f}"
+    return [
+        f'<g><title>{clean(says)}</title><rect x="{number(x + 1)}" y="{number(y)}"'
+        f' width="{number(max(width - 2, 1))}" height="{number(_BAR)}" rx="4" fill="{fill}"'
+        f" {frame}{dashes}/>",
+        *(
+            f'<text x="{number(x + width / 2)}" y="{number(y + 12.5 + 12 * line)}" font-size="10.5"'
+            f' text-anchor="middle" fill="{ink}">{clean(text)}</text>'
+            for line, text in enumerate(_lines(step, width))
+        ),
+        "</g>",
+    ]
+
+
+def _lines(step: ScheduledStep, width: float) -> list[str]:
+    """Return the schema and the last argument, as far as there is room."""
+    room = int((width - 2) / _LETTER)
+    action = step.step.action
+    texts = (action[0], action[-1]) if len(action) > 1 else action
+    return [text if len(text) <= room else text[: room - 1] + "…" for text in texts if room > 4]

@@ -1,0 +1,72 @@
+import json
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from explicable.cli import run
+
+MAP = "@..*\n####\n*..@\n"
+
+
+@pytest.fixture
+def team(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "team.map").write_text(MAP)
+    assert run(["first-response", "encode", "team.map", "--people", "2", "-o", "."]) == 0
+    return ["schedule", "domain.pddl", "problem.pddl"]
+
+
+def test_a_schedule_is_planned_written_drawn_and_described(team, tmp_path, capsys):
+    (tmp_path / "durations.toml").write_text("[schemas]\nmove = 2\ncommand = 0.5\n")
+    capsys.readouterr()
+    files = ["--durations", "durations.toml", "--svg", "s.svg", "-o", "s.plan"]
+    assert run([*team, *files, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["makespan"] == record["lower_bound"] == record["objective"] == 7.0
+    assert record["reaches_goal"]
+    ends = [step["start"] + step["duration"] for step in record["schedule"]]
+    assert max(ends) == 7.0
+    for step in record["schedule"]:
+        assert step["start"] == max((ends[before] for before in step["after"]), default=0.0)
+    written = (tmp_path / "s.plan").read_text().splitlines()
+    assert len(written) == len(ends) + 1
+    assert "6.000: (visit-room r1 c-0-3) [1.000]" in written
+    drawing = ET.fromstring((tmp_path / "s.svg").read_text())  # noqa: S314 (our own file)
+    titles = [title.text for title in drawing.iter("{http://www.w3.org/2000/svg}title")]
+    assert "6 to 7: (visit-room r1 c-0-3)" in titles
+    assert len(titles) == len(ends) + 1
+
+
+def test_the_steps_of_a_given_plan_overlap(team, capsys):
+    assert run(["plan", "domain.pddl", "problem.pddl", "-o", "one.plan"]) == 0
+    capsys.readouterr()
+    assert run([*team, "one.plan"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 11
+    assert float(lines[-1].split("=")[1]) < 10
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (["bad.plan"], 3, "bad.plan"),
+        (["--durations", "bad.toml"], 3, "bad.toml"),
+        (["--alpha", "-1"], 2, "alpha"),
+        (["--time-limit", "0"], 2, "time-limit"),
+        (["missing.plan"], 2, "missing.plan"),
+    ],
+)
+def test_wrong_use_and_bad_files_are_named(team, tmp_path, capsys, arguments, code, says):
+    (tmp_path / "bad.plan").write_text("(visit-room r1 c-0-3)\n")
+    (tmp_path / "bad.toml").write_text("default = 0\n")
+    assert run([*team, *arguments]) == code
+    assert says in capsys.readouterr().err
+
+
+def test_what_cannot_be_reached_is_said_to_be_so(team, tmp_path, capsys):
+    text = (tmp_path / "problem.pddl").read_text()
+    (tmp_path / "problem.pddl").write_text(text.replace("(clear c-0-2)", ""))
+    assert run(team) == 4
+    assert "no plan" in capsys.readouterr().err
+    assert run([*team, "--json"]) == 4
+    assert json.loads(capsys.readouterr().out)["schedule"] is None
