@@ -6,6 +6,7 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <new>
 #include <stdexcept>
 
 #include "bindings/bindings.hpp"
@@ -104,6 +105,7 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
     check_goal(task, goal);
 
     const nb::gil_scoped_release released;
+    if (task.prepared.estimated_bytes() > limits.memory_bytes) throw std::bad_alloc();
     Monitor monitor(limits, has_been_interrupted);
     const Question question(task.prepared, std::move(start), goal);
     return solve(question, options, monitor);

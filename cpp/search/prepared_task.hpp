@@ -1,6 +1,7 @@
 // What all searches of one task share: made at first use, constant from then on, for any number of threads.
 #pragma once
 
+#include <cstddef>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -15,6 +16,13 @@ public:
     explicit PreparedTask(const Task& task) : task_(task) {}
 
     const Task& task() const { return task_; }
+    // About what the successors and one relaxed task take while they are made.
+    std::size_t estimated_bytes() const {
+        const std::size_t entries = task_.preconditions.values.size() + task_.adds.values.size() +
+                                    task_.effect_conditions.values.size() + task_.effect_adds.values.size();
+        const std::size_t rows = std::size_t(task_.num_operators()) + std::size_t(task_.effect_adds.size());
+        return 24 * entries + 96 * rows;
+    }
     const SuccessorGenerator& successors() const {
         return successors_.get([this] { return SuccessorGenerator(task_); });
     }

@@ -96,6 +96,8 @@ def run(arguments: list[str]) -> int:
         return _fail(error, EXIT_USAGE)
     except ResourceError as error:
         return _fail(error, EXIT_LIMIT)
+    except MemoryError:
+        return _fail("limit reached: out of memory", EXIT_LIMIT)
     except ExplicableError as error:
         return _fail(error, EXIT_BAD_INPUT)
     except OSError as error:

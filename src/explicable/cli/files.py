@@ -1,6 +1,7 @@
 """What the commands share: reading a team problem from files named on the command line."""
 
 import functools
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,6 +19,23 @@ if TYPE_CHECKING:
 
 INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 OUTPUT_FILE = click.Path(dir_okay=False, path_type=Path)
+
+
+class MemorySize(click.ParamType):
+    """Bytes, or a number with a unit: ``1GiB``, ``1.5 GB``, ``512m``."""
+
+    name = "size"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Return the number of bytes."""
+        found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kmgt]?)(i?)b?\s*", str(value).lower())
+        if not found or (found[3] and not found[2]):
+            self.fail(f"{value!r} is no amount of memory such as 1GiB, 512MiB or 2GB", param, ctx)
+        unit = 1024 if found[3] or not str(value).lower().rstrip().endswith("b") else 1000
+        return int(float(found[1]) * unit ** " kmgt".index(found[2] or " "))
+
+
+MEMORY_SIZE = MemorySize()
 
 
 def team_problem_arguments(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -10,6 +10,7 @@ from explicable.cli import EXIT_INTERRUPTED, EXIT_LIMIT, EXIT_UNSOLVABLE
 from explicable.cli.budgets import Budget, budget_options
 from explicable.cli.files import (
     INPUT_FILE,
+    MEMORY_SIZE,
     OUTPUT_FILE,
     TeamProblemPaths,
     load_labeller,
@@ -51,6 +52,16 @@ SCORES = ("f_paper", "f_robot", "f_expected")
     help="Search algorithm (docs/planning.md). Default: the best known for the planner.",
 )
 @click.option("--time-limit", type=click.FloatRange(min=0), help="Seconds that the search may take.")
+@click.option(
+    "--memory-limit",
+    type=MEMORY_SIZE,
+    metavar="SIZE",
+    help="What the process may take, such as 1GiB or 500MB, grounding and search alike."
+    " Default: most of what the machine and its control group have left.",
+)
+@click.option(
+    "--max-evaluations", type=click.IntRange(min=0), help="How many states the search may evaluate."
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Breaks ties.")
 @click.option("-o", "--output", type=OUTPUT_FILE, help="Write the plan to this file.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of the plan.")
@@ -63,6 +74,8 @@ def plan(
     budget: Budget | None,
     algorithm: "Algorithm | None",
     time_limit: float | None,
+    memory_limit: int | None,
+    max_evaluations: int | None,
     seed: int,
     output: Path | None,
     as_json: bool,
@@ -95,20 +108,28 @@ def plan(
         raise click.UsageError(
             "a budget takes the place of --alpha: it needs a labeller, and settles mode and search itself"
         )
+    if budget is not None and (memory_limit is not None or max_evaluations is not None):
+        raise click.UsageError("--memory-limit and --max-evaluations are of one search; a budget makes many")
     started = time.perf_counter()
     problem = paths.read()
     read = time.perf_counter()
     labeller = None if labeller_file is None else load_labeller(labeller_file, problem)
     loaded = time.perf_counter()
-    team_task = warn_of_hopeless(ground_team(problem))
+    team_task = warn_of_hopeless(ground_team(problem, memory_limit_bytes=_left_of(memory_limit)))
     grounded = time.perf_counter()
-    limits: _Limits = {"time_limit_s": time_limit, "seed": seed}
+    limits: _Limits = {
+        "time_limit_s": time_limit,
+        # A third as much again passes through the hands of containers that grow.
+        "memory_limit_bytes": left * 3 // 4 if (left := _left_of(memory_limit)) is not None else None,
+        "max_evaluations": max_evaluations,
+        "seed": seed,
+    }
     if labeller is None or is_plain:
         result = plan_classically(team_task, labeller=labeller, algorithm=algorithm or "default", **limits)
     elif mode == "paper":
         result = plan_as_in_paper(team_task, labeller, **limits)
     elif budget is not None:
-        result = plan_within_budget(team_task, labeller, **budget, **limits)
+        result = plan_within_budget(team_task, labeller, **budget, time_limit_s=time_limit, seed=seed)
     else:
         price = 1.0 if alpha is None else alpha
         result = plan_explicably(team_task, labeller, alpha=price, algorithm=algorithm or "default", **limits)
@@ -126,13 +147,31 @@ def plan(
     else:
         is_cut = budget is not None and result.outcome.value == "limit reached"
         reason = "none found that keeps to the budget" if is_cut else result.outcome.value
+        reason += f" ({result.limit})" if result.limit else ""
         click.echo(f"no plan: {reason}", err=True)
     return exit_code(result)
 
 
 class _Limits(TypedDict):
     time_limit_s: float | None
+    memory_limit_bytes: int | None
+    max_evaluations: int | None
     seed: int
+
+
+def _left_of(memory_limit: int | None) -> int | None:
+    """What a limit on the whole process leaves to what comes next."""
+    if memory_limit is None:
+        return None
+    from explicable.errors import ResourceError
+    from explicable.model.memory import resident_memory_bytes
+
+    held = resident_memory_bytes()
+    if held >= memory_limit:
+        raise ResourceError(
+            f"memory limit reached: {memory_limit >> 20} MiB are allowed and {held >> 20} MiB already taken"
+        )
+    return memory_limit - held
 
 
 def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:
@@ -142,6 +181,7 @@ def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:
     scores = dict.fromkeys(SCORES) if result.labelled is None else result.labelled.scores.as_dict()
     return {
         "outcome": result.outcome.value,
+        "limit": result.limit,
         "plan": None if result.plan is None else [format_action(step.action) for step in result.plan.steps],
         "agents": None if result.plan is None else [step.agent for step in result.plan.steps],
         "cost": None if result.plan is None else result.plan.cost,

@@ -55,14 +55,17 @@ def ground(problem: Problem, *, memory_limit_bytes: int | None = None) -> Task:
             max(0, limit),
         )
     except MemoryError as error:
-        raise ResourceError(f"problem {problem.name}: {error}") from error
+        why = "there is not enough memory for grounding" if str(error) == "std::bad_alloc" else error
+        raise ResourceError(f"problem {problem.name}: {why}") from error
     except ValueError as error:
         raise UsageError(f"problem {problem.name}: {error}") from error
     return Task(problem, core, encoded.objects, tuple(core.goal), core.goal_reachable)
 
 
-def ground_team(problem: TeamProblem) -> TeamTask:
+def ground_team(problem: TeamProblem, *, memory_limit_bytes: int | None = None) -> TeamTask:
     """Ground a team problem: the composite task, and the mental task where it is another one.
+
+    The memory limit holds for each of the two; see `ground`.
 
     Raises
     ------
@@ -71,5 +74,7 @@ def ground_team(problem: TeamProblem) -> TeamTask:
     ResourceError
         As `ground`.
     """
-    task = ground(problem.composite)
-    return TeamTask(problem, task, task if problem.human is None else ground(problem.mental))
+    task = ground(problem.composite, memory_limit_bytes=memory_limit_bytes)
+    if problem.human is None:
+        return TeamTask(problem, task, task)
+    return TeamTask(problem, task, ground(problem.mental, memory_limit_bytes=memory_limit_bytes))

@@ -1,28 +1,73 @@
-"""How much memory this process may still take."""
+"""How much memory this process may still take, and how much it holds."""
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
-_MEMINFO = Path("/proc/meminfo")
-_CGROUP = Path("/sys/fs/cgroup")
 
+def available_memory_bytes(root: Path = Path("/")) -> int:
+    """Return what the machine, and each control group around this process, have left.
 
-def available_memory_bytes() -> int:
-    """Return what the machine, and the control group if there is one, have left; a huge number where unknown.
+    A huge number where that can't be told. `root` is where ``proc`` and ``sys`` are.
 
     Examples
     --------
     >>> available_memory_bytes() > 0
     True
     """
-    amounts = [sys.maxsize]
+    left = [sys.maxsize, *_left_on_machine(root)]
+    for folder, limit, usage, cache in _control_groups(root):
+        allowed, used = _number(folder / limit), _number(folder / usage)
+        if allowed is not None and used is not None:
+            # Cached files count as used, but make room where it is needed.
+            left.append(max(1, allowed - used + _entry(folder / "memory.stat", cache)))
+    return min(left)
+
+
+def resident_memory_bytes() -> int:
+    """Return what this process holds; 0 where that can't be told."""
+    return _entry(Path("/proc/self/status"), "VmRSS:") * 1024
+
+
+def _left_on_machine(root: Path) -> list[int]:
+    kibibytes = _entry(root / "proc/meminfo", "MemAvailable:")
+    return [kibibytes * 1024] if kibibytes else []
+
+
+def _control_groups(root: Path) -> Iterator[tuple[Path, str, str, str]]:
+    """Folders of this process's control groups, innermost first, with the names of what they hold."""
+    second = ("memory.max", "memory.current", "inactive_file")
+    first = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
+    for line in _lines(root / "proc/self/cgroup"):
+        _, controllers, path = line.split(":", 2)
+        if controllers == "":
+            mount, names = root / "sys/fs/cgroup", second
+        elif "memory" in controllers.split(","):
+            mount, names = root / "sys/fs/cgroup/memory", first
+        else:
+            continue
+        group = mount / path.strip().lstrip("/")
+        while group.is_relative_to(mount):
+            yield group, *names
+            group = group.parent
+
+
+def _lines(path: Path) -> list[str]:
     try:
-        lines = _MEMINFO.read_text(encoding="ascii").splitlines()
-        amounts.extend(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:"))
-        limit = (_CGROUP / "memory.max").read_text(encoding="ascii").strip()
-        if limit != "max":
-            used = int((_CGROUP / "memory.current").read_text(encoding="ascii"))
-            amounts.append(max(1, int(limit) - used))
+        return path.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
-        pass  # another operating system, or no control group
-    return min(amounts)
+        return []  # another operating system, or no such group
+
+
+def _number(path: Path) -> int | None:
+    lines = _lines(path)
+    return int(lines[0]) if lines and lines[0].isdecimal() else None  # "max": no limit
+
+
+def _entry(path: Path, name: str) -> int:
+    """Return the number in the line ``name number ...``; 0 if there is none."""
+    for line in _lines(path):
+        words = line.split()
+        if len(words) > 1 and words[0] == name:
+            return int(words[1])
+    return 0

@@ -47,6 +47,8 @@ class TeamPlan:
         Seconds spent in search.
     alpha
         Price of one inexplicable step by which ``objective`` was reckoned.
+    limit
+        Which limit ended the search for a plan: ``"time"``, ``"memory"``, ``"evaluations"`` or None.
     """
 
     outcome: Outcome
@@ -57,6 +59,7 @@ class TeamPlan:
     evaluations: int
     search_s: float
     alpha: float = 0.0
+    limit: str | None = None
 
 
 def plan_classically(
@@ -65,6 +68,8 @@ def plan_classically(
     labeller: "Labeller | None" = None,
     algorithm: Algorithm = "default",
     time_limit_s: float | None = None,
+    memory_limit_bytes: int | None = None,
+    max_evaluations: int | None = None,
     seed: int = 0,
 ) -> TeamPlan:
     """Plan without regard to what the person expects; a labeller only scores the plan.
@@ -73,8 +78,17 @@ def plan_classically(
     ----------
     algorithm
         A search of `explicable.search.search`: ``"ff"`` is FF as published.
+    time_limit_s, memory_limit_bytes, max_evaluations
+        As in `explicable.search.search`.
     """
-    result = search(team_task.task, algorithm, time_limit_s=time_limit_s, seed=seed)
+    result = search(
+        team_task.task,
+        algorithm,
+        time_limit_s=time_limit_s,
+        memory_limit_bytes=memory_limit_bytes,
+        max_evaluations=max_evaluations,
+        seed=seed,
+    )
     return _team_plan(team_task, [result], labeller)
 
 
@@ -87,6 +101,8 @@ def plan_explicably(
     expected: bool = True,
     closing: Closing = "state",
     time_limit_s: float | None = None,
+    memory_limit_bytes: int | None = None,
+    max_evaluations: int | None = None,
     improve_s: float = 1.0,
     seed: int = 0,
 ) -> TeamPlan:
@@ -110,8 +126,10 @@ def plan_explicably(
         Of the search for the first plan. ``"state"``: a state is closed alone, as in the paper.
         ``"context"``: together with what the labeller still needs to know of the path, which is exact for
         ``f``, but there are many more such nodes.
-    time_limit_s
-        Seconds for the whole search.
+    time_limit_s, max_evaluations
+        Seconds, and heuristic values, for the whole search.
+    memory_limit_bytes
+        As in `explicable.search.search`, of which there are up to two, one after the other.
     improve_s
         Seconds for the improvement of the first plan at most; 0 for the paper's planner, which has none.
 
@@ -121,11 +139,19 @@ def plan_explicably(
         If alpha is negative, infinite or not a number.
     """
     scorer = labeller.scorer(team_task, expected=expected)
-    options = _Options(scorer=scorer, seed=seed, alpha=check_alpha(alpha))
+    options = _Options(
+        scorer=scorer,
+        seed=seed,
+        alpha=check_alpha(alpha),
+        memory_limit_bytes=memory_limit_bytes,
+        max_evaluations=max_evaluations,
+    )
     results = [search(team_task.task, algorithm, closing=closing, time_limit_s=time_limit_s, **options)]
     if results[0].outcome is Outcome.SOLVED:
         left_s = math.inf if time_limit_s is None else max(time_limit_s - results[0].search_s, 0.0)
-        if min(improve_s, left_s) > 0:
+        if max_evaluations is not None:
+            options["max_evaluations"] = max(max_evaluations - results[0].evaluations, 0)
+        if min(improve_s, left_s) > 0 and options["max_evaluations"] != 0:
             limit_s = min(improve_s, left_s)
             # J is by expectation, whatever led to the first plan.
             options["scorer"] = scorer if expected else labeller.scorer(team_task, expected=True)
@@ -134,7 +160,13 @@ def plan_explicably(
 
 
 def plan_as_in_paper(
-    team_task: TeamTask, labeller: "Labeller", *, time_limit_s: float | None = None, seed: int = 0
+    team_task: TeamTask,
+    labeller: "Labeller",
+    *,
+    time_limit_s: float | None = None,
+    memory_limit_bytes: int | None = None,
+    max_evaluations: int | None = None,
+    seed: int = 0,
 ) -> TeamPlan:
     """Plan with the paper's own settings.
 
@@ -148,6 +180,8 @@ def plan_as_in_paper(
         expected=False,
         closing="state",
         time_limit_s=time_limit_s,
+        memory_limit_bytes=memory_limit_bytes,
+        max_evaluations=max_evaluations,
         improve_s=0,
         seed=seed,
     )
@@ -157,6 +191,8 @@ class _Options(TypedDict):
     scorer: PathScorer
     seed: int
     alpha: float
+    memory_limit_bytes: int | None
+    max_evaluations: int | None
 
 
 def joint_plan(team_task: TeamTask, actions: tuple[GroundAtom, ...], cost: int) -> JointPlan:
@@ -203,6 +239,7 @@ def _team_plan(
         evaluations=sum(result.evaluations for result in results),
         search_s=sum(result.search_s for result in results),
         alpha=alpha,
+        limit=results[0].limit,
     )
 
 

@@ -6,6 +6,7 @@ from typing import Literal
 
 from explicable import _core
 from explicable.errors import UsageError
+from explicable.model.memory import available_memory_bytes
 from explicable.model.problem import GroundAtom
 from explicable.model.task import State, Task
 from explicable.search.result import Outcome, SearchResult
@@ -77,7 +78,9 @@ def search(
     seed
         0: ties go by the order of generation. Any other seed shuffles them; the same seed, the same result.
     time_limit_s, memory_limit_bytes, max_evaluations
-        Wall-clock seconds; bytes held by nodes and open lists; heuristic values computed.
+        Wall-clock seconds; bytes held by nodes, open lists and what the search prepares, by default three
+        fifths of what the machine and its control group have left (containers that grow take up to a third
+        more for moments); heuristic values computed.
     scorer
         With a compiled path scorer, ``"default"``, ``"ff"``, ``"lazy"`` and ``"eager"`` search by
         h = (1 + c) * length(rp) (Eq. 4), where c counts the inexplicable steps in path # rp; best-first
@@ -131,6 +134,8 @@ def search(
     goal_facts, goal_reachable = _goal_facts(task, goal)
     if not goal_reachable:
         return _UNREACHABLE
+    if memory_limit_bytes is None:
+        memory_limit_bytes = available_memory_bytes() // 5 * 3
     try:
         answer = _core.search(
             task.core,
@@ -151,6 +156,8 @@ def search(
             memory_limit_bytes=memory_limit_bytes,
             max_evaluations=max_evaluations,
         )
+    except MemoryError:  # even before the search began
+        return SearchResult(Outcome.LIMIT, None, None, None, 0.0, False, 0, 0, 0, 0.0, "memory")
     except (ValueError, IndexError) as error:
         raise UsageError(str(error)) from error
     plan = answer.plan
