@@ -21,7 +21,7 @@ INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 OUTPUT_FILE = click.Path(dir_okay=False, path_type=Path)
 
 
-class MemorySize(click.ParamType):
+class MemorySize(click.ParamType[int]):
     """Bytes, or a number with a unit: ``1GiB``, ``1.5 GB``, ``512m``."""
 
     name = "size"

@@ -104,12 +104,11 @@ def plan(
         )
     if mode == "paper" and (is_plain or algorithm is not None):
         raise click.UsageError("--mode paper plans with a labeller, and settles the search itself")
-    if budget is not None and (is_plain or mode == "paper" or alpha is not None or algorithm is not None):
-        raise click.UsageError(
-            "a budget takes the place of --alpha: it needs a labeller, and settles mode and search itself"
+    if budget is not None:
+        _check_budget(
+            settled=is_plain or mode == "paper" or alpha is not None or algorithm is not None,
+            limited=memory_limit is not None or max_evaluations is not None,
         )
-    if budget is not None and (memory_limit is not None or max_evaluations is not None):
-        raise click.UsageError("--memory-limit and --max-evaluations are of one search; a budget makes many")
     started = time.perf_counter()
     problem = paths.read()
     read = time.perf_counter()
@@ -145,10 +144,7 @@ def plan(
         if not output:
             click.echo(text, nl=False)
     else:
-        is_cut = budget is not None and result.outcome.value == "limit reached"
-        reason = "none found that keeps to the budget" if is_cut else result.outcome.value
-        reason += f" ({result.limit})" if result.limit else ""
-        click.echo(f"no plan: {reason}", err=True)
+        click.echo(f"no plan: {_reason(result, budget)}", err=True)
     return exit_code(result)
 
 
@@ -157,6 +153,21 @@ class _Limits(TypedDict):
     memory_limit_bytes: int | None
     max_evaluations: int | None
     seed: int
+
+
+def _check_budget(*, settled: bool, limited: bool) -> None:
+    if settled:
+        raise click.UsageError(
+            "a budget takes the place of --alpha: it needs a labeller, and settles mode and search itself"
+        )
+    if limited:
+        raise click.UsageError("--memory-limit and --max-evaluations are of one search; a budget makes many")
+
+
+def _reason(result: "TeamPlan", budget: Budget | None) -> str:
+    if budget is not None and result.outcome.value == "limit reached":
+        return "none found that keeps to the budget"
+    return f"{result.outcome.value} ({result.limit})" if result.limit else result.outcome.value
 
 
 def _left_of(memory_limit: int | None) -> int | None:
