@@ -27,9 +27,9 @@ settings = { num_traces = 4, num_judges = 2, keep_steps = true }
     "labels": """
 question = "Labels?"
 kind = "labels"
-settings = { num_traces = 4, num_maps = 2, num_bootstrap = 2, num_permutations = 2 }
+settings = { num_traces = 4, num_maps = 2, num_bootstrap = 2 }
 [[cells]]
-features = ["lifted", "symbols"]
+symbols = ["lifted", "ground"]
 """,
     "loops": """
 question = "Loops?"
@@ -82,7 +82,7 @@ def test_nothing_failed_and_every_figure_has_its_n(finished):
                 for cell in row[1:]:
                     paper = table.name in {"table-1", "table-2"} and re.fullmatch(r"\d\.\d{3}", cell)
                     assert paper or cell == "–" or re.search(r"\(n = \d+\)$", cell), (table.name, cell)
-    assert run["seeds"] == dict.fromkeys(STUDIES, 0)
+    assert page.facts["seeds"] == ", ".join(f"{kind} 0" for kind in STUDIES)
 
 
 def test_the_page_needs_nothing_from_elsewhere_and_shows_all_failures(finished):

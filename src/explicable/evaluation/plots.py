@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from explicable.evaluation.statistics import Estimate
+from explicable.model.drawing import Drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,8 +37,10 @@ _STYLE: dict[Any, Any] = {
 }
 
 
-def to_svg(draw: "Callable[[Axes], None]", *, width: float = 6.4, height: float = 3.6) -> str:
-    """Draw on fresh axes and return the picture as an SVG element; the same drawing gives the same text.
+def to_svg(draw: "Callable[[Axes], None]", *, width: float = 6.4, height: float = 3.6) -> Drawing:
+    """Draw on fresh axes and return the picture as an SVG element, which a notebook shows.
+
+    The same drawing gives the same text.
 
     Parameters
     ----------
@@ -52,7 +55,7 @@ def to_svg(draw: "Callable[[Axes], None]", *, width: float = 6.4, height: float 
     '<svg'
     """
     text = _draw(draw, "svg", width, height).decode()
-    return text[text.index("<svg") :]
+    return Drawing(text[text.index("<svg") :])
 
 
 def to_png(draw: "Callable[[Axes], None]", *, width: float = 6.4, height: float = 3.6) -> bytes:

@@ -38,7 +38,7 @@ def make_page(
         "date": run["date"],
         "machine": run["machine"],
         "versions": ", ".join(f"{name} {version}" for name, version in run["versions"].items()),
-        "seeds": ", ".join(f"{name} {seed}" for name, seed in run["seeds"].items()),
+        "seeds": ", ".join(f"{experiment.name} {experiment.seed}" for experiment in experiments),
         "trials": str(sum(map(len, records.values()))),
         "duration": f"{work_s / 60:.1f} minutes of work, all processes together",
     }

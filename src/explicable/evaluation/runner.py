@@ -54,7 +54,7 @@ def run_experiments(
     missing = {
         experiment.name: files[experiment.name].resume(experiment.trials()) for experiment in experiments
     }
-    write_whole(folder / "run.json", json.dumps(describe_run(experiments), indent=2) + "\n")
+    write_whole(folder / "run.json", json.dumps(describe_run(), indent=2) + "\n")
     records = {}
     for experiment in experiments:
         trials, file = experiment.trials(), files[experiment.name]
@@ -73,19 +73,18 @@ def read_records(experiments: Sequence[Experiment], folder: Path) -> dict[str, l
     return {experiment.name: RecordFile(_path(folder, experiment.name)).read() for experiment in experiments}
 
 
-def describe_run(experiments: Sequence[Experiment]) -> dict[str, Any]:
-    """Say when, where, with what and from which seeds experiments are run.
+def describe_run() -> dict[str, Any]:
+    """Say when, where and with what experiments are run.
 
     Examples
     --------
-    >>> describe_run([])["seeds"]
-    {}
+    >>> sorted(describe_run())
+    ['date', 'machine', 'versions']
     """
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}",
         "versions": {"Python": platform.python_version()} | dict(_versions()),
-        "seeds": {experiment.name: experiment.seed for experiment in experiments},
     }
 
 

@@ -17,6 +17,7 @@ from explicable.first_response.glyphs import CELL
 from explicable.first_response.picture_key import draw_key
 from explicable.first_response.routes import Command, Routes, trace_routes
 from explicable.first_response.world import Cell, View, World, cell_name
+from explicable.model.drawing import Drawing
 from explicable.model.plan import JointPlan
 from explicable.model.problem import GroundAtom
 
@@ -37,7 +38,7 @@ def render(
     title: str | None = None,
     key: bool = False,
     step_s: float = 0,
-) -> str:
+) -> Drawing:
     """Draw a map and, if given, a plan on it.
 
     Parameters
@@ -65,8 +66,9 @@ def render(
 
     Returns
     -------
-    str
-        An SVG element without identifiers, to be written to a file or put into a page as it is.
+    Drawing
+        An SVG element without identifiers, to be written to a file or put into a page as it is; a notebook
+        shows it.
 
     Raises
     ------
@@ -123,7 +125,7 @@ def render(
         height += key_height + 14
     box = _box(left, top, width, height)
     x, y, w, h = box.split()
-    return (
+    return Drawing(
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="{w}" height="{h}" role="img">'
         f"<title>{glyphs.clean(title or 'First-response map')}</title>"
         f"<desc>{glyphs.clean(_describe(world, view, actions, routes, names, doubted))}</desc>"

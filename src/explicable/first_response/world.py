@@ -106,6 +106,12 @@ class World:
         if row + 1 < self.height:
             yield row + 1, column
 
+    def _repr_svg_(self) -> str:
+        """Let a notebook show the map as the robot sees it."""
+        from explicable.first_response.rendering import render
+
+        return render(self, "robot")
+
     def _cells(self, character: str) -> Iterator[Cell]:
         for index, row in enumerate(self.rows):
             column = row.find(character)

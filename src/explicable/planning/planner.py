@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict
 
 from explicable.errors import UsageError
-from explicable.model.plan import JointPlan, Step
+from explicable.model.plan import JointPlan, Step, format_action
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
 from explicable.search import Algorithm, Closing, Outcome, PathScorer, SearchResult, search
@@ -60,6 +60,16 @@ class TeamPlan:
     search_s: float
     alpha: float = 0.0
     limit: str | None = None
+
+    def _repr_html_(self) -> str:
+        """Let a notebook show the plan: its steps, and how probably each is expected."""
+        if self.plan is None:
+            return f"<p>{self.outcome}</p>"
+        steps = [f"{step.agent} {format_action(step.action)}" for step in self.plan.steps]
+        if self.labelled:
+            chances = zip(steps, self.labelled.probabilities, strict=True)
+            steps = [f"{step}: expected with probability {p:.2f}" for step, p in chances]
+        return f"<p>cost {self.plan.cost}</p><ol>{''.join(f'<li>{step}</li>' for step in steps)}</ol>"
 
 
 def plan_classically(

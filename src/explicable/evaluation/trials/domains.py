@@ -67,7 +67,7 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
         counts = []
         for number, who in enumerate(judges[:-1]):
             steps = judge(setting, who, actions, np.random.default_rng((*seed, JUDGING, number)))
-            labels = [step.label for step in steps if step.label is not None]
+            labels = [step.is_explicable for step in steps if step.is_explicable is not None]
             counts.append([who.name, sum(labels), len(labels)])
         rows.append(
             {

@@ -164,7 +164,7 @@ def _game(
             "num_plans": len(played.planning_s),
             "planning_s": round(sum(played.planning_s), 6),
         }
-    labels = [step.label for step in episode.trace.steps if step.label is not None]
+    labels = [step.is_explicable for step in episode.trace.steps if step.is_explicable is not None]
     return {
         "strategy": strategy,
         "outcome": episode.ending.value,

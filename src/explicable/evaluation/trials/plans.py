@@ -49,6 +49,8 @@ class Settings:
         To learn from.
     noise
         Share of wrong labels in them; negative: as the family has it.
+    symbols, num_copies
+        Features: ``lifted``, or the paper's ``ground`` ones; copies of each trace with other names.
     num_maps
         Generated maps to plan for; 0: the package's four test maps.
     plans
@@ -66,6 +68,8 @@ class Settings:
     judges: str = ""
     num_traces: int = 34
     noise: float = -1.0
+    symbols: Literal["lifted", "ground"] = "lifted"
+    num_copies: int = 0
     num_maps: int = 0
     plans: tuple[str, ...] = ("ff", "shortest", "paper", "explicable", "participants")
     alpha: float = 1.0
@@ -111,7 +115,9 @@ PLANNERS: dict[str, Planner] = {
 def measure(settings: Settings, seed: Seed) -> list[Row]:
     """Train, plan for each map with each planner, and have the plans judged: one row a plan."""
     traces = training_traces(seed, settings.family, settings.semantics, settings.num_traces, settings.noise)
-    known = Knowledge(train(traces), HumanModel.learn(traces), settings.alpha)
+    known = Knowledge(
+        train(traces, settings.symbols, settings.num_copies), HumanModel.learn(traces), settings.alpha
+    )
     judges = draw_participants(seed, settings.judges or settings.family, settings.num_judges)
     player, *_ = draw_participants((seed[0], seed[1] + 2**20), settings.judges or settings.family, 1)
     places = (_Place(seed, held, judges) for held in held_out(seed, settings.semantics, settings.num_maps))

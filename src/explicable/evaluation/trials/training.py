@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -36,9 +37,11 @@ def training_traces(
     return [episode.trace for episode in episodes]
 
 
-def train(traces: list[Trace]) -> Labeller:
+def train(
+    traces: list[Trace], symbols: Literal["lifted", "ground"] = "lifted", num_copies: int = 0
+) -> Labeller:
     """Train a labeller; intervals are not asked of it here, so it needs no bootstrap."""
-    return Labeller.train(traces, num_bootstrap=0)
+    return Labeller.train(traces, num_bootstrap=0, symbols=symbols, num_copies=num_copies)
 
 
 def find_family(name: str) -> Family:
