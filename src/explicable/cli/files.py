@@ -114,7 +114,7 @@ def warn_of_hopeless(team_task: "TeamTask") -> "TeamTask":
 
 
 def load_labeller(path: Path, problem: TeamProblem) -> "Labeller":
-    """Read a labeller for a problem; warn of actions that it has never seen.
+    """Read a labeller for a problem; warn of the robots' actions that it has never seen.
 
     Raises
     ------
@@ -126,8 +126,8 @@ def load_labeller(path: Path, problem: TeamProblem) -> "Labeller":
     labeller = Labeller.load(path)
     with naming(path, LabellerError):
         labeller.check_domain(problem)
-    for schema in labeller.unknown_schemas(problem):
-        _warn(f"{path}: the labeller has never seen the action {schema}: its labels are guesses")
+    if unknown := labeller.unknown_schemas(problem):
+        _warn(f"{path}: the labeller has never seen {', '.join(unknown)}: what it says of these is a guess")
     return labeller
 
 

@@ -106,9 +106,11 @@ def measure(
     if as_json:
         click.echo(json.dumps(record))
         return
-    for name, value in record.items():
-        if value is not None and name not in {"step_probabilities", "goal_probabilities", "predictability"}:
-            click.echo(f"{name:18} {f'{value:.3f}' if isinstance(value, float) else value}")
+    hidden = {"step_probabilities", "goal_probabilities", "predictability"}
+    shown = {name: value for name, value in record.items() if value is not None and name not in hidden}
+    width = max(map(len, shown))
+    for name, value in shown.items():
+        click.echo(f"{name:{width}}  {f'{value:.3f}' if isinstance(value, float) else value}")
 
 
 def _read_human_model(path: Path | None) -> "HumanModel | None":
