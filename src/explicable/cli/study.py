@@ -194,11 +194,9 @@ def status(folder: Path, database: str | None, as_json: bool) -> None:
                 f"  F of {score.source:14} {score.f_robot:.3f}{interval} "
                 f"({score.num_labels} labels, {score.num_participants} participants, {score.num_tasks} tasks)"
             )
-    click.echo("places: finished + under way / asked for, all origins")
-    for mine, theirs in zip(found["person"].tasks, found["simulated"].tasks, strict=True):
-        name = f"{mine.task} ({mine.condition})" if mine.condition else mine.task
-        finished, under_way = mine.finished + theirs.finished, mine.under_way + theirs.under_way
-        click.echo(f"  {name:30} {finished} + {under_way} / {mine.wanted}")
+        for task in summary.tasks:
+            name = f"{task.task} ({task.condition})" if task.condition else task.task
+            click.echo(f"  {name:28} {task.finished} finished, {task.under_way} under way, of {task.wanted}")
 
 
 @study.command()

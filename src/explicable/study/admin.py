@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, HTTPException, Request
 from fastapi.responses import RedirectResponse, Response, StreamingResponse
 
-from explicable.study.conduct import OPEN_STAGES
 from explicable.study.folder import read_setting
 from explicable.study.forms import read_form
+from explicable.study.ledger import OPEN_STAGES
 from explicable.study.pages import PARTS
 from explicable.study.records import live_sessions
 from explicable.study.security import ADMIN_COOKIE, ADMIN_HOURS, Limiter, is_password

@@ -19,15 +19,10 @@ from pydantic import BaseModel, Field, FiniteFloat
 from starlette.exceptions import HTTPException as AnyHTTPException
 
 from explicable.errors import InputError
-from explicable.study.conduct import (
-    Conduct,
-    NoPlaceError,
-    RepeatError,
-    Request,
-    Standing,
-    UnknownSessionError,
-)
+from explicable.study.conduct import Conduct, Standing, UnknownSessionError
+from explicable.study.enrolment import NoPlaceError, RepeatError, start
 from explicable.study.forms import read_form
+from explicable.study.ledger import Request
 from explicable.study.materials import Materials
 from explicable.study.pages import Pages
 from explicable.study.protocol import ConflictError
@@ -229,7 +224,7 @@ def _page_routes(server: Server) -> APIRouter:
         asked = Request(ticket["request"], time.time())
         simulated = ticket["simulated"]
         try:
-            session = await server.write(lambda tx: server.conduct.start(tx, asked, recruit, simulated))
+            session = await server.write(lambda tx: start(server.materials, tx, asked, recruit, simulated))
         except NoPlaceError as error:
             return pages.no_place(is_repeat=isinstance(error, RepeatError))
         response = RedirectResponse("/session", 303)

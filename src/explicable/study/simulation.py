@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from explicable.model.problem import GroundAtom
 
 _HIDDEN = re.compile(r'<input type="hidden" name="(\w+)" value="([^"]*)"')
-_MAX_TRIES = 60
+_MAX_TRIES = 480
 _RETRY_S = 0.25
 
 

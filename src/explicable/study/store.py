@@ -59,9 +59,12 @@ class Transaction:
         query = sql.select(table).where(*_equal(table, key)).order_by(*(table.c[name] for name in order))
         return self._connection.execute(query).all()
 
-    def lock_session(self, session: str) -> Row | None:
-        """Return a session's row, which nobody else changes until the end of the transaction."""
-        return self._connection.execute(_LOCKED_SESSION, {"session": session}).first()
+    def lock_session(self, session: str, request: str) -> Row | None:
+        """Return a session's row, which nobody else changes until the end of the transaction.
+
+        Its column ``is_repeated`` says whether the request is known already.
+        """
+        return self._connection.execute(_LOCKED_SESSION, {"key": session, "request_id": request}).first()
 
     def lock_places(self) -> None:
         """Let nobody else assign tasks until the end of the transaction."""
@@ -72,8 +75,11 @@ class Transaction:
         """Return the steps of an assignment in order, each with its label or None."""
         return self._connection.execute(_LABELLED_STEPS, {"assignment": assignment}).all()
 
-    def places(self) -> list[Place]:
-        """Return all places that are taken: tasks of sessions that are under way or have finished them."""
+    def places(self, origin: str) -> list[Place]:
+        """Return the places taken by people, or by simulated participants: neither takes the other's.
+
+        They are the tasks of sessions that are under way or have finished them.
+        """
         query = (
             sql.select(
                 tables.ASSIGNMENTS.c.task,
@@ -82,7 +88,11 @@ class Transaction:
                 tables.ASSIGNMENTS.c.position,
             )
             .join(tables.SESSIONS)
-            .where(tables.ASSIGNMENTS.c.status != "freed", tables.ASSIGNMENTS.c.kind != "practice")
+            .where(
+                tables.ASSIGNMENTS.c.origin == origin,
+                tables.ASSIGNMENTS.c.status != "freed",
+                tables.ASSIGNMENTS.c.kind != "practice",
+            )
         )
         return [Place(*row) for row in self._connection.execute(query)]
 
@@ -224,7 +234,17 @@ def _without_password(url: str) -> str:
 
 
 _LOCKED_SESSION = (
-    sql.select(tables.SESSIONS).where(tables.SESSIONS.c.id == sql.bindparam("session")).with_for_update()
+    sql.select(
+        tables.SESSIONS,
+        sql.exists()
+        .where(
+            tables.EVENTS.c.session == sql.bindparam("key"),
+            tables.EVENTS.c.request == sql.bindparam("request_id"),
+        )
+        .label("is_repeated"),
+    )
+    .where(tables.SESSIONS.c.id == sql.bindparam("key"))
+    .with_for_update(of=tables.SESSIONS)
 )
 _LABELLED_STEPS = (
     sql.select(

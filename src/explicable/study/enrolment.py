@@ -1,0 +1,150 @@
+"""Who takes part: places are given out, kept by whoever is at it, and given back."""
+
+import secrets
+from importlib import metadata
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from explicable.study import schema as tables
+from explicable.study.assignment import draw_tasks, least_used, order_tasks
+from explicable.study.ledger import OPEN_STAGES, Request, free_tasks, note
+from explicable.study.materials import PRACTICE, Materials
+from explicable.study.protocol import ConflictError, Event, Stage, advance
+from explicable.study.recruitment import Recruit
+from explicable.study.store import Place, Transaction
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+class NoPlaceError(ConflictError):
+    """Nobody else can take part."""
+
+
+class RepeatError(NoPlaceError):
+    """Somebody who has taken part before can't do so again."""
+
+
+def start(
+    materials: Materials,
+    tx: Transaction,
+    request: Request,
+    recruit: Recruit,
+    simulated: str | None = None,
+) -> str:
+    """Begin a session for somebody who has consented; return its name.
+
+    Parameters
+    ----------
+    simulated
+        Name of the simulated participant, if it is one.
+
+    Raises
+    ------
+    NoPlaceError
+        If the study is full; a `RepeatError` if the person has taken part before.
+    """
+    known = tx.find(tables.SESSIONS, start_request=request.id)
+    if known is not None:
+        return str(known.id)
+    tx.lock_places()
+    before = _earlier_session(materials, tx, recruit)
+    if before is not None:
+        return before
+    free_places(materials, tx, request.time)
+    origin = "simulated" if simulated else "person"
+    study, taken = materials.study, tx.places(origin)
+    seed = sum(tx.count(tables.PARTICIPANTS).values())
+    rng = np.random.default_rng((study.seed, seed))
+    sessions = tx.count(tables.SESSIONS, "condition", "stage", origin=origin)
+    uses = dict.fromkeys(materials.conditions, 0)
+    for (condition, stage), count in sessions.items():
+        if condition in uses and stage not in {Stage.RETURNED, Stage.EXCLUDED}:
+            uses[condition] += count
+    condition = least_used(list(uses), uses, rng)
+    chosen = _draw(materials, taken, condition, rng)
+    if not chosen:
+        raise NoPlaceError("nobody else is needed")
+    session = secrets.token_urlsafe(32)
+    participant = f"{simulated}-{secrets.token_hex(4)}" if simulated else f"p-{secrets.token_hex(8)}"
+    tx.add(tables.PARTICIPANTS, id=participant, origin=origin, created=request.time)
+    for name, value in recruit.values.items():
+        tx.add(tables.RECRUITS, participant=participant, platform=recruit.platform, name=name, value=value)
+    tx.add(
+        tables.SESSIONS,
+        id=session,
+        participant=participant,
+        origin=origin,
+        condition=condition,
+        stage=advance(Stage.CONSENT, Event.CONSENTED).value,
+        position=0,
+        attempts=0,
+        revision=0,
+        start_request=request.id,
+        code=secrets.token_hex(4).upper(),
+        created=request.time,
+        seen=request.time,
+        study=materials.hash,
+        version=metadata.version("explicable"),
+        seed=seed,
+    )
+    for position, task in enumerate((PRACTICE, *chosen)):
+        kind = "practice" if position == 0 else materials.tasks[task].kind
+        tx.add(
+            tables.ASSIGNMENTS,
+            session=session,
+            origin=origin,
+            position=position,
+            task=task,
+            kind=kind,
+            status="open",
+        )
+    note(tx, session, origin, "consented", request, {"condition": condition})
+    return session
+
+
+def free_places(materials: Materials, tx: Transaction, now: float) -> int:
+    """Let sessions that have shown no sign of life for too long give their places back."""
+    silent = tx.silent_since(now - 60 * materials.study.time_limit_min, OPEN_STAGES)
+    for session in silent:
+        row = tx.lock_session(session, "")
+        if row is None:
+            continue
+        stage = advance(Stage(row.stage), Event.TIMED_OUT)
+        free_tasks(tx, session)
+        request = Request(f"timed-out-{secrets.token_hex(8)}", now)
+        note(tx, session, row.origin, Event.TIMED_OUT.value, request, {"stage": row.stage})
+        tx.change(tables.SESSIONS, {"id": session}, stage=stage.value, revision=row.revision + 1)
+    return len(silent)
+
+
+def _earlier_session(materials: Materials, tx: Transaction, recruit: Recruit) -> str | None:
+    """Return the session to go on with, where everything in the link is as it was; refuse others."""
+    person = recruit.person
+    if person is None or materials.study.recruitment.allow_repeats:
+        return None
+    for row in tx.all(tables.RECRUITS, name=person[0], value=person[1]):
+        told = {r.name: r.value for r in tx.all(tables.RECRUITS, participant=row.participant)}
+        session = tx.find(tables.SESSIONS, participant=row.participant)
+        same_visit = told == dict(recruit.values) and len(told) > 1
+        if session is not None and same_visit:
+            return str(session.id)
+        raise RepeatError("this person has taken part before")
+    return None
+
+
+def _draw(
+    materials: Materials, taken: "Sequence[Place]", condition: str, rng: np.random.Generator
+) -> list[str]:
+    """Choose tasks: people for played maps are counted by condition, for plans altogether."""
+    wanted = {task.name: task.people for task in materials.study.task}
+    counts = dict.fromkeys(wanted, 0)
+    times_at: dict[tuple[str, int], int] = {}
+    for place in taken:
+        if place.task in counts and (place.kind == "replay" or place.condition == condition):
+            counts[place.task] += 1
+            key = place.task, place.position
+            times_at[key] = times_at.get(key, 0) + 1
+    chosen = draw_tasks(wanted, counts, materials.study.tasks_each, rng)
+    return order_tasks(chosen, times_at, rng)
