@@ -11,13 +11,14 @@ from explicable.errors import UsageError
 from explicable.execution.course import Notice
 from explicable.execution.episodes import Ending
 from explicable.execution.facts import correct_model, observable_facts
-from explicable.execution.loop import ClosedLoop, Limits, run
+from explicable.execution.loop import ClosedLoop, run
 from explicable.execution.monitor import TABLE, Event, State, react
 from explicable.execution.participants import Participant
 from explicable.execution.people import ScriptedPerson, SimulatedPerson
 from explicable.execution.plans import Proposal, Situation
 from explicable.execution.robots import Fact, SimulatedRobot, SimulatedWorld
 from explicable.execution.robots.faultless import FaultlessRobot
+from explicable.execution.runs import Limits
 from explicable.execution.setting import prepare
 from explicable.first_response import World as Map
 from explicable.first_response import builtin_maps, encode, generate

@@ -175,7 +175,7 @@ def _draw(recorded: "EpisodeRecord", step_s: float) -> str:
         parse_map(recorded.map_text),
         "robot",
         plan=[step.action for step in steps],
-        labels=[step.label for step in steps],
+        labels=[None if step.label is None else step.label is not False for step in steps],
         title=f"{recorded.trace.annotator}: {recorded.trace.notes.get('ending', '')}".rstrip(": "),
         key=True,
         step_s=step_s,

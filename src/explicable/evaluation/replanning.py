@@ -56,6 +56,9 @@ class Prices:
     gamma: float = 10.0
 
 
+USUAL_PRICES = Prices()
+
+
 class ExplicablePlanner:
     """The explicable joint plan; see the module for its objective.
 
@@ -81,7 +84,7 @@ class ExplicablePlanner:
     def __init__(
         self,
         labeller: Labeller,
-        prices: Prices = Prices(),
+        prices: Prices = USUAL_PRICES,
         *,
         foresight: Foresight | None = None,
         max_evaluations: int = 500,
@@ -175,7 +178,10 @@ class LearningPlanner:
         """Take in what has happened."""
         self._num_steps = len(course.steps)
         if course.occurrences[-1].event is Event.ANSWER_GIVEN:
-            self._answers = {number: step.label for number, step in enumerate(course.steps)}
+            self._answers = {
+                number: None if step.label is None else step.label is not False
+                for number, step in enumerate(course.steps)
+            }
         if self.person is not None:
             self.person.see(course)
 

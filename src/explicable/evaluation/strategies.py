@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from explicable.evaluation.oracle import OraclePlanner
-from explicable.evaluation.replanning import ExplicablePlanner, LearningPlanner, Prices
+from explicable.evaluation.replanning import USUAL_PRICES, ExplicablePlanner, LearningPlanner, Prices
 from explicable.execution import (
     PersonFilter,
     Planner,
@@ -31,7 +31,7 @@ Strategy = Callable[[Setting, SimulatedPerson], Planner]
 """Makes a strategy's planner for one game; only the oracle looks at the person."""
 
 
-def strategies(labeller: Labeller, prices: Prices = Prices()) -> dict[str, Strategy]:  # noqa: B008 (frozen)
+def strategies(labeller: Labeller, prices: Prices = USUAL_PRICES) -> dict[str, Strategy]:
     """Return all strategies that are compared, by name.
 
     ``follower``: a shortest way to what was last asked for; ``nearest``: without a request it heads for what

@@ -14,13 +14,14 @@ from explicable.execution.episodes import (
     simulate_study,
 )
 from explicable.execution.facts import observable_facts
-from explicable.execution.loop import ClosedLoop, Limits, Run, run
+from explicable.execution.loop import ClosedLoop, run
 from explicable.execution.monitor import draw_monitor
 from explicable.execution.participants import Family, Participant, builtin_families, read_families
 from explicable.execution.people import Person, ScriptedPerson, SimulatedPerson
 from explicable.execution.plans import Planner, Proposal, Situation, num_changes
 from explicable.execution.recognition import PersonFilter
 from explicable.execution.records import EpisodeRecord, Replay, record, replay
+from explicable.execution.runs import Limits, Run
 from explicable.execution.setting import Setting, prepare
 
 __all__ = [

@@ -151,11 +151,6 @@ class Course:
         return self._under_way if self.monitor in (State.ACTING, State.BRIDGING) else ()
 
     @property
-    def last_order(self) -> GroundAtom:
-        """What the robot was sent to do last."""
-        return self._under_way
-
-    @property
     def has_reached_goal(self) -> bool:
         """Whether the goal holds."""
         return self.truth.task.is_goal(self.state)

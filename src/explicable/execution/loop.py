@@ -4,78 +4,24 @@
 robots, planner and person, and what is to be done outside is done. Planners and robots are handed in.
 """
 
-import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
-from explicable.errors import UsageError
-from explicable.execution.course import Course, Notice, Occurrence
+from explicable.execution.course import Course, Notice
+from explicable.execution.crew import Crew
 from explicable.execution.desk import BackDesk, Desk, OpenDesk
 from explicable.execution.episodes import Ending, Episode
 from explicable.execution.monitor import FINAL, Command, Event, State
 from explicable.execution.people import Person
 from explicable.execution.plans import Planner
-from explicable.execution.robots.door import Door
-from explicable.execution.robots.faultless import FaultlessRobot
-from explicable.execution.robots.protocol import Blocked, Finished, Observation, Order, Refused, Report, Robot
+from explicable.execution.robots.protocol import Robot
+from explicable.execution.runs import USUAL_LIMITS, Limits, Run
 from explicable.execution.setting import Setting
 from explicable.labelling.records import Trace
 from explicable.model.problem import GroundAtom
 from explicable.model.task import State as GameState
 from explicable.search import Outcome
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """How long a game waits for what.
-
-    Parameters
-    ----------
-    max_steps
-        Most steps of the whole team.
-    plan_s
-        Seconds after which a plan is late; then the robot goes on without it.
-    step_s
-        Seconds after which a robot is asked to give its step up; after as long again it is lost.
-    game_s
-        Seconds for the whole game.
-    patience
-        Events without a step of anybody after which nothing more is to be expected.
-    """
-
-    max_steps: int = 1000
-    plan_s: float = 0.5
-    step_s: float = 60.0
-    game_s: float = math.inf
-    patience: int = 60
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """A closed-loop game played to its end.
-
-    Parameters
-    ----------
-    episode
-        The trace and how the game ended.
-    occurrences
-        Everything that happened, in order.
-    num_deviations
-        Steps of the person that were not the next predicted ones.
-    num_changes
-        Requests made while another was under way.
-    planning_s
-        How long each call of the planner took, in seconds; the first made the first plan, the others were
-        replans.
-    """
-
-    episode: Episode
-    occurrences: tuple[Occurrence, ...]
-    num_deviations: int
-    num_changes: int
-    planning_s: tuple[float, ...]
 
 
 def run(
@@ -84,7 +30,7 @@ def run(
     person: Person,
     robots: Iterable[Robot] | None = None,
     *,
-    limits: Limits = Limits(),
+    limits: Limits = USUAL_LIMITS,
     background: bool = False,
     clock: Callable[[], float] = time.perf_counter,
     watch: Callable[[Course], None] = lambda _: None,
@@ -136,18 +82,16 @@ class ClosedLoop:
         person: Person,
         robots: Iterable[Robot] | None = None,
         *,
-        limits: Limits = Limits(),
+        limits: Limits = USUAL_LIMITS,
         background: bool = False,
         clock: Callable[[], float] = time.perf_counter,
         watch: Callable[[Course], None] = lambda _: None,
     ) -> None:
         self.course = Course(setting)
         self._person, self._limits, self._clock, self._watch = person, limits, clock, watch
-        self._robots = _named(setting, robots)
+        self._crew = Crew(self.course, robots, limits.step_s, clock)
         self._desk: Desk = BackDesk(planner, clock) if background else OpenDesk(planner, clock)
-        self._began = self._sent_at = self._requested_at = clock()
-        self._num_orders = 0
-        self._is_cancelled = False
+        self._began = self._requested_at = clock()
         self._inbox: deque[Notice] = deque()
         self._outside: deque[Notice] = deque()
         self._kept: deque[Notice] = deque()
@@ -164,7 +108,7 @@ class ClosedLoop:
         }
         self._effects: dict[Command, Callable[[Notice], None]] = {
             Command.SEND_STEP: self._send_step,
-            Command.CANCEL_STEP: self._cancel_step,
+            Command.CANCEL_STEP: lambda _: self._crew.cancel(),
             Command.REQUEST_PLAN: self._request_plan,
             Command.CANCEL_PLANNER: lambda _: self._desk.cancel(),
             Command.KEEP_PERSON_STEP: self._kept.append,
@@ -312,46 +256,14 @@ class ClosedLoop:
         return ()
 
     def _send_step(self, notice: Notice) -> None:
-        agent = self.course.setting.problem.agent_of(notice.action).name
-        self._num_orders += 1
-        self._sent_at, self._is_cancelled = self._clock(), False
-        answer = self._robots[agent].send(Order(self._num_orders, notice.action))
-        if isinstance(answer, Refused):
-            self._inbox.append(Notice(Event.STEP_FAILED, notice.action, reason=answer.reason))
-
-    def _cancel_step(self, _: Notice) -> None:
-        self._robots[self.course.setting.problem.agent_of(self.course.last_order).name].cancel()
-        self._is_cancelled = True
-
-    def _hear_robot(self, timeout_s: float = 0.05) -> Notice | None:
-        action = self.course.step_under_way
-        report = self._robots[self.course.setting.problem.agent_of(action).name].poll(timeout_s)
-        if report is not None:
-            return self._read(report, action)
-        waited_s = self._clock() - self._sent_at
-        if waited_s > 2 * self._limits.step_s:
-            return Notice(Event.STEP_FAILED, action, reason="the robot is lost")
-        if waited_s > self._limits.step_s and not self._is_cancelled:
-            return Notice(Event.TIME_PASSED, action)
-        return None
-
-    def _read(self, report: Report, action: GroundAtom) -> Notice:
-        """Make a notice of a report, and more for the inbox if it says more."""
-        if isinstance(report, Observation):
-            return Notice(Event.FACT_OBSERVED, facts=report.facts)
-        if isinstance(report, Finished):
-            if report.facts:
-                self._inbox.append(Notice(Event.FACT_OBSERVED, facts=report.facts))
-            return Notice(Event.STEP_FINISHED, action)
-        reason = "blocked" if isinstance(report, Blocked) else report.reason
-        failed = Notice(Event.STEP_FAILED, action, reason=reason)
-        if isinstance(report, Blocked) and self.course.is_news(report.facts):
+        failed = self._crew.send(notice.action)
+        if failed is not None:
             self._inbox.append(failed)
-            return Notice(Event.FACT_OBSERVED, facts=report.facts)
-        concluded = () if self._is_cancelled else self.course.conclude(action)
-        if concluded:
-            self._inbox.append(Notice(Event.FACT_OBSERVED, facts=concluded, reason="concluded"))
-        return failed
+
+    def _hear_robot(self) -> Notice | None:
+        notices = self._crew.hear(self.course.step_under_way)
+        self._inbox.extend(notices[1:])
+        return notices[0] if notices else None
 
     def _request_plan(self, _: Notice) -> None:
         self._has_planned, self._requested_at = True, self._clock()
@@ -390,20 +302,3 @@ class ClosedLoop:
 
     def _hear_both(self) -> Notice | None:
         return self._propose(0.0) or self._hear_robot()
-
-
-def _named(setting: Setting, robots: Iterable[Robot] | None) -> dict[str, Robot]:
-    """Return the robots by name, with a door before each that is not faultless.
-
-    Raises
-    ------
-    UsageError
-        If there is not one for each robot of the team.
-    """
-    names = [agent.name for agent in setting.problem.agents if agent.kind == "robot"]
-    if robots is None:
-        return {name: FaultlessRobot(name) for name in names}
-    named: dict[str, Robot] = {robot.name: Door(robot, setting.truth.task) for robot in robots}
-    if sorted(named) != sorted(names):
-        raise UsageError(f"robots are needed for {', '.join(names)}, not for {', '.join(named) or 'none'}")
-    return named

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from explicable.execution.course import Course, Notice, Occurrence
-from explicable.execution.loop import Run
 from explicable.execution.monitor import State
+from explicable.execution.runs import Run
 from explicable.execution.setting import prepare
 from explicable.labelling.records import Trace
 from explicable.model.plan import format_action
