@@ -254,7 +254,14 @@ def _team_plan(
 
 
 def objective(plan: JointPlan, labelled: "LabelledPlan | None", alpha: float) -> float:
-    """Return ``J = cost + alpha * E[number of inexplicable steps]`` (Eq. 3, its sign put right)."""
+    """Return ``J = cost + alpha * E[number of inexplicable steps]`` (Eq. 3, its sign put right).
+
+    Raises
+    ------
+    UsageError
+        If alpha is negative, infinite or not a number.
+    """
+    check_alpha(alpha)
     if labelled is None or labelled.scores.f_expected is None:
         return plan.cost
     return plan.cost + alpha * len(plan) * (1.0 - labelled.scores.f_expected)
