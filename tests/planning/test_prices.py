@@ -31,7 +31,9 @@ USES = {
         team.task, "anytime", alpha=price, scorer=judge.scorer(team)
     ),
     "lazy": lambda team, judge, price: search(team.task, "lazy", alpha=price, scorer=judge.scorer(team)),
-    "objective": lambda team, judge, price: objective(plan_classically(team).plan, None, price),
+    "objective": lambda team, judge, price: objective(
+        plan_classically(team).plan, judge.label(team, plan_classically(team).plan.actions), price
+    ),
 }
 
 

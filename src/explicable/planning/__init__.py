@@ -1,6 +1,13 @@
 """Where search meets labelling: planning with regard to what the person expects.
 
-The public names, each imported when it is first asked for: a plan needs only the planner.
+=========  ==========================================================================================
+plans      `planner` (the paper's Eq. 3 and 4), `pareto` (the front), `budgets`, `ranking`, `telling`
+schedules  `makespan` with `relaxed_times` and `gantt`: steps that overlap
+measures   `measures` calls `distances`, `observer` (with `beliefs`) and `predictions` of what people do
+why        `explanation` by `differences` of the two models, told by `correction`; `schemas` for both
+=========  ==========================================================================================
+
+The public names are imported when they are first asked for: a plan needs only the planner.
 """
 
 from typing import TYPE_CHECKING
@@ -8,12 +15,13 @@ from typing import TYPE_CHECKING
 from explicable.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from explicable.planning.budgets import choose, plan_within_budget
     from explicable.planning.correction import correct
     from explicable.planning.differences import Comparison, Difference, compare, find_differences
     from explicable.planning.explanation import Finding, StepExplanation, explain
     from explicable.planning.makespan import ScheduledPlan, plan_schedule, schedule_plan
     from explicable.planning.measures import Measures, measure
-    from explicable.planning.pareto import FrontPlan, choose, front, plan_within_budget
+    from explicable.planning.pareto import FrontPlan, front
     from explicable.planning.planner import (
         TeamPlan,
         check_alpha,
@@ -41,7 +49,7 @@ _HOMES = {
     "TeamPlan": "planner",
     "ToldPlan": "telling",
     "check_alpha": "planner",
-    "choose": "pareto",
+    "choose": "budgets",
     "compare": "differences",
     "conform_or_explain": "telling",
     "correct": "correction",
@@ -55,7 +63,7 @@ _HOMES = {
     "plan_classically": "planner",
     "plan_explicably": "planner",
     "plan_schedule": "makespan",
-    "plan_within_budget": "pareto",
+    "plan_within_budget": "budgets",
     "rank": "ranking",
     "schedule_plan": "makespan",
 }

@@ -8,7 +8,6 @@ between them (Aneja & Nair, "Bicriteria transportation problem", Management Scie
 
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 SMALLEST_ALPHA = 1e-4
 """Stands for 0: so that of all cheapest plans the most explicable is taken."""
 
-_ROUNDING = 1e-6
+ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,85 +107,22 @@ def front(
     >>> [(found.plan.cost, found.alpha_to) for found in front(ground_team(encode(World((".@*",)))), labeller)]
     [(3, inf)]
     """
-    return _search(team_task, labeller, max_alpha, search_s, time_limit_s, seed).front()
+    return explore(team_task, labeller, max_alpha, search_s, time_limit_s, seed).front()
 
 
-def plan_within_budget(
-    team_task: TeamTask,
-    labeller: "Labeller",
-    *,
-    max_cost_increase: float | None = None,
-    min_explicability: float | None = None,
-    max_alpha: float = 10.0,
-    search_s: float = 1.0,
-    time_limit_s: float | None = None,
-    seed: int = 0,
-) -> TeamPlan:
-    """Plan explicably with a budget in the place of alpha: `front`, then `choose`.
-
-    Parameters
-    ----------
-    max_cost_increase, min_explicability
-        As of `choose`: 0.1 for at most 10 % dearer than the cheapest, 0.9 for an expected F of at least 0.9.
-    max_alpha, search_s, time_limit_s
-        As of `front`.
-
-    Returns
-    -------
-    TeamPlan
-        Its ``alpha`` is the least at which the plan is best. If no plan keeps to the budget, ``plan`` is None
-        and ``outcome`` is that of the search for any plan, or "limit reached".
-
-    Raises
-    ------
-    UsageError
-        As `front` and `choose`.
-
-    Examples
-    --------
-    >>> from explicable.first_response.encoding import encode
-    >>> from explicable.first_response.world import World
-    >>> from explicable.labelling.crf import ConditionalRandomField
-    >>> from explicable.labelling.labeller import Labeller
-    >>> from explicable.model.grounding import ground_team
-    >>> weights = ["step: move"], [[-5.0, 0.0]], [[0, 0], [0, 0]]
-    >>> labeller = Labeller(ConditionalRandomField.from_weights([True, False], *weights), schemas=["move"])
-    >>> plan_within_budget(ground_team(encode(World((".@*",)))), labeller, max_cost_increase=0.1).plan.cost
-    3
-    """
-    choose((), max_cost_increase=max_cost_increase, min_explicability=min_explicability)  # refused at once
-    pool = _search(team_task, labeller, max_alpha, search_s, time_limit_s, seed)
-    plans = pool.front()
-    chosen = choose(plans, max_cost_increase=max_cost_increase, min_explicability=min_explicability)
-    if chosen is None:
-        outcome = Outcome.LIMIT if plans else pool.outcome
-        return TeamPlan(outcome, None, None, None, 0.0, pool.evaluations, pool.search_s)
-    objective = chosen.value(chosen.alpha_from)
-    return TeamPlan(
-        outcome=Outcome.SOLVED,
-        plan=chosen.plan,
-        labelled=chosen.labelled,
-        objective=objective,
-        lower_bound=objective if chosen.is_proved else 0.0,
-        evaluations=pool.evaluations,
-        search_s=pool.search_s,
-        alpha=chosen.alpha_from,
-    )
-
-
-def _search(
+def explore(
     team_task: TeamTask,
     labeller: "Labeller",
     max_alpha: float,
     search_s: float,
     time_limit_s: float | None,
     seed: int,
-) -> "_Pool":
-    """Look for plans at the alphas at which the front may have another corner."""
+) -> "Pool":
+    """Look for plans at the alphas at which the front may have another corner; parameters as of `front`."""
     if check_alpha(max_alpha) < SMALLEST_ALPHA:
         raise UsageError(f"the largest alpha must be at least {SMALLEST_ALPHA}, not {max_alpha}")
     deadline = math.inf if time_limit_s is None else time.monotonic() + time_limit_s
-    pool = _Pool()
+    pool = Pool()
 
     def solve(alpha: float) -> None:
         found = plan_explicably(
@@ -209,7 +145,7 @@ def _search(
     return pool
 
 
-class _Pool:
+class Pool:
     """All plans found so far, and what is proved of each alpha that was looked at."""
 
     def __init__(self) -> None:
@@ -257,13 +193,13 @@ class _Pool:
         The least J is concave in alpha and at most that of the plan, so what holds at the ends holds between.
         """
         ends = (max(lowest, min(self._bounds)), min(highest, max(self._bounds)))
-        return all(corner.value(end) <= self._bounds.get(end, -math.inf) + _ROUNDING for end in ends)
+        return all(corner.value(end) <= self._bounds.get(end, -math.inf) + ROUNDING for end in ends)
 
     def _corners(self) -> list[FrontPlan]:
         """Give the lower convex hull of the plans, the cheapest first (Andrew's monotone chain)."""
         corners: list[FrontPlan] = []
         for found in sorted(self._plans.values(), key=lambda one: (one.plan.cost, one.num_inexplicable)):
-            if corners and found.num_inexplicable >= corners[-1].num_inexplicable - _ROUNDING:
+            if corners and found.num_inexplicable >= corners[-1].num_inexplicable - ROUNDING:
                 continue
             while len(corners) > 1 and even(corners[-1], found) <= even(*corners[-2:]):
                 corners.pop()
@@ -274,47 +210,3 @@ class _Pool:
 def even(left: FrontPlan, right: FrontPlan) -> float:
     """Return the alpha at which a plan and a dearer, more explicable one have the same ``J``."""
     return (right.plan.cost - left.plan.cost) / (left.num_inexplicable - right.num_inexplicable)
-
-
-def choose(
-    plans: Sequence[FrontPlan],
-    *,
-    max_cost_increase: float | None = None,
-    min_explicability: float | None = None,
-) -> FrontPlan | None:
-    """Choose from a front by a budget instead of an alpha.
-
-    Only plans of the front are chosen from; others, best at no alpha, may use the budget up more closely.
-
-    Parameters
-    ----------
-    max_cost_increase
-        The most explicable plan is wanted that exceeds the cheapest by no more than this share of its cost.
-    min_explicability
-        The plan must have an expected ``F`` of at least this; alone, the cheapest such plan is wanted.
-
-    Returns
-    -------
-    FrontPlan or None
-        None if no plan of the front keeps to the budget.
-
-    Raises
-    ------
-    UsageError
-        If neither is given, or one is out of range.
-    """
-    if max_cost_increase is None and min_explicability is None:
-        raise UsageError("a budget is needed: of cost or of explicability")
-    if max_cost_increase is not None and not 0 <= max_cost_increase < math.inf:
-        raise UsageError(f"the cost can't be allowed to increase by {max_cost_increase}")
-    if min_explicability is not None and not 0 <= min_explicability <= 1:
-        raise UsageError(f"explicability is from 0 to 1, not {min_explicability}")
-    fitting = [found for found in plans if found.explicability >= (min_explicability or 0.0)]
-    if max_cost_increase is None:
-        return min(fitting, key=lambda found: found.plan.cost, default=None)
-    limit = (1 + max_cost_increase) * min((found.plan.cost for found in plans), default=0) + _ROUNDING
-    return max(
-        (found for found in fitting if found.plan.cost <= limit),
-        key=lambda found: -found.num_inexplicable,
-        default=None,
-    )
