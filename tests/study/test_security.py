@@ -11,11 +11,13 @@ from hypothesis import HealthCheck, given, settings
 from itsdangerous import URLSafeSerializer
 from schemathesis.checks import not_a_server_error
 from schemathesis.specs.openapi.checks import response_schema_conformance, status_code_conformance
+from starlette.responses import PlainTextResponse
+from starlette.testclient import TestClient
 from studies import Visitor, open_study, write_study
 
 from explicable.study import schema as tables
 from explicable.study.folder import open_database, read_secret
-from explicable.study.security import MAX_BODY_BYTES
+from explicable.study.security import MAX_BODY_BYTES, Guard, Limiter
 from explicable.study.store import DATABASE, Store
 
 
@@ -164,12 +166,21 @@ def test_large_bodies_and_odd_forms_are_refused(client):
     assert client.post("/api/answer", content=nan, headers=headers).status_code == 422
 
 
-def test_a_flood_is_told_to_wait(client):
-    visitor = Visitor(client).reach_tasks()
-    answers = [visitor.send("step", number=99) for _ in range(120)]
-    codes = [answer.status_code for answer in answers]
-    assert set(codes) == {409, 429}
-    assert "retry-after" in answers[codes.index(429)].headers
+def test_a_flood_is_told_to_wait_and_others_are_not():
+    now = [0.0]
+    session, address = (Limiter(1, burst, clock=lambda: now[0]) for burst in (3, 5))
+    client = TestClient(Guard(PlainTextResponse("done"), session, address))
+
+    def send(path, cookie):
+        return client.post(path, headers={"cookie": f"study={cookie}"}).status_code
+
+    assert [send("/api/step", "one") for _ in range(5)] == [200, 200, 200, 429, 429]
+    assert send("/api/step", "two") == 200
+    assert [send("/consent", "") for _ in range(6)] == [200] * 5 + [429]
+    assert client.get("/").status_code == 200
+    assert "retry-after" in client.post("/consent").headers
+    now[0] = 1.0
+    assert [send("/api/step", "one") for _ in range(2)] == [200, 429]
 
 
 def test_what_people_write_is_shown_as_text(client):
