@@ -1,12 +1,15 @@
 """How many traces asking for the most informative plan saves against asking for a random one.
 
-Run ``python benchmarks/questions.py``. Simulated participants of one family play generated maps; from a pool
-of their traces one after the other is chosen to be labelled, and the labeller's log-loss on other traces is
-printed after each. Simulated participants are test instruments: the figures say nothing about people.
+Run ``python benchmarks/questions.py``. In each repetition simulated participants of one family play generated
+maps; from a pool of their traces one after the other is chosen to be labelled, and the labeller's log-loss on
+other traces is kept after each: one JSON line for each repetition and way of asking. Both ways begin with the
+same two traces. Simulated participants are test instruments: the figures say nothing about people.
 """
 
 import argparse
 import json
+import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -47,40 +50,46 @@ def choose(how, crf, data, labelled, pool, rng):
     ]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--family", default="myopic")
-    parser.add_argument(
-        "--pool", type=int, default=100, help="traces that may be labelled; half as many test"
-    )
-    parser.add_argument("--traces", type=int, default=14, help="how many are labelled")
-    parser.add_argument("--repetitions", type=int, default=3)
-    parser.add_argument("--seed", type=int, default=0)
-    arguments = parser.parse_args()
-    rng = np.random.default_rng(arguments.seed)
-    num_traces = arguments.pool + arguments.pool // 2
+def repetition(family, seed, arguments):
+    """Yield a record for each way of asking."""
+    rng = np.random.default_rng((seed, 0))
+    num_traces = arguments.pool + arguments.tests
     problems = [encode(generate(rng)) for _ in range(num_traces)]
-    family = builtin_families()[arguments.family]
     data = TrainingData()
-    for episode in simulate_study(problems, family, num_traces=num_traces, seed=arguments.seed):
+    for episode in simulate_study(problems, builtin_families()[family], num_traces=num_traces, seed=seed):
         data.add(episode.trace)
     pool = range(arguments.pool)
     plans, answers = data.features[arguments.pool :], data.labels[arguments.pool :]
     crf = ConditionalRandomField(classes=CLASSES, tolerance=1e-6)
+    first = [int(k) for k in np.random.default_rng((seed, 1)).permutation(arguments.pool)[:2]]
     for how in ("random", "informative"):
-        curves = []
-        for repetition in range(arguments.repetitions):
-            draws = np.random.default_rng((arguments.seed, repetition))
-            labelled, curve = [int(k) for k in draws.permutation(arguments.pool)[:2]], []
-            while True:
-                crf.fit([data.features[k] for k in labelled], [data.labels[k] for k in labelled])
-                curve.append(log_loss(crf, plans, answers))
-                if len(labelled) >= arguments.traces:
-                    break
-                labelled.append(choose(how, crf, data, labelled, pool, draws))
-            curves.append(curve)
-        means = np.mean(curves, axis=0).round(4).tolist()
-        print(json.dumps({"asked": how, "log_loss_by_traces": dict(enumerate(means, start=2))}), flush=True)
+        draws, labelled, losses = np.random.default_rng((seed, 2)), list(first), []
+        while True:
+            crf.fit([data.features[k] for k in labelled], [data.labels[k] for k in labelled])
+            losses.append(log_loss(crf, plans, answers))
+            if len(labelled) >= arguments.traces:
+                break
+            labelled.append(choose(how, crf, data, labelled, pool, draws))
+        yield {"asked": how, "first": len(first), "log_loss": [round(loss, 5) for loss in losses]}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--families", nargs="+", default=list(builtin_families()))
+    parser.add_argument("--pool", type=int, default=60, help="traces that may be labelled")
+    parser.add_argument("--tests", type=int, default=40, help="other traces, for the log-loss")
+    parser.add_argument("--traces", type=int, default=20, help="how many are labelled")
+    parser.add_argument("--repetitions", type=int, default=10)
+    parser.add_argument("--seed", type=int, default=700, help="of the first repetition")
+    parser.add_argument("-o", "--output", type=Path, help="append here; default: standard output")
+    arguments = parser.parse_args()
+    with arguments.output.open("a") if arguments.output else sys.stdout as file:
+        for seed in range(arguments.seed, arguments.seed + arguments.repetitions):
+            for family in arguments.families:
+                for found in repetition(family, seed, arguments):
+                    sizes = {"pool": arguments.pool, "tests": arguments.tests}
+                    record = {"experiment": "questions", "family": family, "seed": seed} | sizes | found
+                    print(json.dumps(record), file=file, flush=True)
 
 
 if __name__ == "__main__":
