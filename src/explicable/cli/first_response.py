@@ -6,7 +6,7 @@ import click
 
 from explicable import first_response as maps
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE
-from explicable.cli.simulate import find_family, participant_options, play_and_write
+from explicable.cli.simulate import find_family, participant_options, play_and_write, way_option
 from explicable.model.files import write_whole
 
 SEMANTICS = click.Choice(["persistent", "exclusive"])
@@ -108,11 +108,13 @@ def render(map_file: Path, output: Path, view: maps.View, plan_file: Path | None
     "--num", type=click.IntRange(min=1), help="Number of traces, spread over the maps. Default: one a map."
 )
 @semantics_option
+@way_option
 @participant_options
 def simulate(
     map_files: tuple[Path, ...],
     num: int | None,
     semantics: maps.Semantics,
+    way: str,
     family: str,
     families: Path | None,
     seed: int,
@@ -124,4 +126,4 @@ def simulate(
     """
     who = find_family(family, families)
     problems = [maps.encode(maps.read_map(path), semantics) for path in map_files]
-    play_and_write(problems, who, output, num_traces=num or len(problems), seed=seed)
+    play_and_write(problems, who, output, num_traces=num or len(problems), seed=seed, way=way)

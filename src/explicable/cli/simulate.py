@@ -13,6 +13,16 @@ if TYPE_CHECKING:
     from explicable.model.team import TeamProblem
 
 
+way_option = click.option(
+    "--way",
+    type=click.Choice(["commanded", "autonomous", "mixed"]),
+    default="mixed",
+    show_default=True,
+    help="commanded: the robots wait until something is asked for. autonomous: they go ahead unasked. mixed:"
+    " commanded, but in every fourth game they go ahead unasked and nobody has said so.",
+)
+
+
 def participant_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Give a command the options that say who plays, how often, and where the traces go."""
     for option in (
@@ -59,13 +69,7 @@ def play_and_write(problems: "Iterable[TeamProblem]", family: "Family", output: 
 @click.command()
 @team_problem_arguments
 @click.option("--num", type=click.IntRange(min=1), default=1, show_default=True, help="Number of traces.")
-@click.option(
-    "--way",
-    type=click.Choice(["commanded", "autonomous"]),
-    default="commanded",
-    show_default=True,
-    help="commanded: the robots wait until something is asked for. autonomous: they go ahead unasked.",
-)
+@way_option
 @participant_options
 def simulate(
     paths: TeamProblemPaths, num: int, way: str, family: str, families: Path | None, seed: int, output: Path

@@ -90,7 +90,7 @@ def run_demo(seed: int = 0, *, traces: Sequence[Trace] | None = None, tell: Tell
         tell(f"simulated participants label {NUM_TRACES} plans")
         training = [encode(world) for world in builtin_maps("training").values()]
         family = builtin_families()[FAMILY]
-        episodes = simulate_study(training, family, num_traces=NUM_TRACES, seed=seed)
+        episodes = simulate_study(training, family, num_traces=NUM_TRACES, seed=seed, way="mixed")
         chosen = tuple(episode.trace for episode in episodes)
     else:
         chosen = tuple(traces)

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     import numpy as np
 
 Way = Literal["commanded", "autonomous"]
+StudyWay = Literal["commanded", "autonomous", "mixed"]
+
+UNANNOUNCED = 4
+"""In a mixed study each game of this number is played autonomously, though nobody has said so."""
 
 
 class Ending(StrEnum):
@@ -48,11 +52,13 @@ def simulate(
     rng: "np.random.Generator",
     *,
     way: Way = "commanded",
+    announced: bool = True,
     max_steps: int = 1000,
 ) -> Episode:
     """Play one game of the study with a simulated participant; see `play`.
 
-    It knows how the robot plays: in autonomous play it expects initiative. All chance comes from ``rng``.
+    It knows how the robot plays, unless this is not ``announced``: in autonomous play it expects initiative.
+    All chance comes from ``rng``.
 
     Examples
     --------
@@ -64,7 +70,9 @@ def simulate(
     >>> [step.label for step in episode.trace.steps]
     [None, False, True, True, True, True]
     """
-    participant = replace(participant, initiative=participant.initiative or way == "autonomous")
+    participant = replace(
+        participant, initiative=participant.initiative or (announced and way == "autonomous")
+    )
     episode = play(setting, SimulatedPerson(setting, participant, rng), way=way, max_steps=max_steps)
     notes = {"participant": asdict(participant), **episode.trace.notes}
     return replace(episode, trace=replace(episode.trace, notes=notes))
@@ -240,7 +248,7 @@ def simulate_study(
     names: Sequence[str] | None = None,
     num_traces: int = 34,
     seed: int = 0,
-    way: Way = "commanded",
+    way: StudyWay = "commanded",
 ) -> list[Episode]:
     """Play a whole study: participants of one family, each of whom plays a few of the problems.
 
@@ -256,6 +264,10 @@ def simulate_study(
         Of the problems, for their traces.
     seed
         The same seed gives the same traces.
+    way
+        ``mixed``: as commanded, but in every fourth game the robot goes ahead unasked and nobody has said so.
+        Traces of commanded play alone never show a robot that moves without a request, so what is learned
+        from them has no opinion of it.
 
     Returns
     -------
@@ -265,12 +277,21 @@ def simulate_study(
     import numpy as np
 
     settings = [prepare(problem) for problem in problems]
+    if way not in get_args(StudyWay):
+        raise UsageError(f"way must be one of {', '.join(get_args(StudyWay))}, not {way!r}")
     if names is not None and len(names) != len(settings):
         raise UsageError(f"{len(names)} names for {len(settings)} problems")
     episodes = []
     for game, (place, number) in enumerate(assign(len(settings), num_traces)):
         participant = family.draw(number + 1, np.random.default_rng((seed, 0, number)))
-        episode = simulate(settings[place], participant, np.random.default_rng((seed, 1, game)), way=way)
+        is_surprise = way == "mixed" and game % UNANNOUNCED == UNANNOUNCED - 1
+        episode = simulate(
+            settings[place],
+            participant,
+            np.random.default_rng((seed, 1, game)),
+            way="autonomous" if is_surprise or way == "autonomous" else "commanded",
+            announced=not is_surprise,
+        )
         name = names[place] if names else None
         episodes.append(replace(episode, trace=replace(episode.trace, name=name)))
     return episodes
