@@ -117,15 +117,6 @@ def test_printed_ratios_follow_from_the_lines_alone(finished):
         assert f"{ratio:.3f} [" in markdown
 
 
-def test_the_oracle_is_never_worse(finished):
-    _, records, _ = finished
-    games = group([row for record in records["loops"] for row in record["rows"]], "map", "player")
-    for found in games.values():
-        cost = {row["strategy"]: row["num_steps"] + row["num_inexplicable"] for row in found}
-        assert cost["oracle"] == min(cost.values())
-        assert len(cost) == 6
-
-
 def test_another_run_with_the_same_seed_differs_in_times_alone(finished, tmp_path):
     experiments, records, _ = finished
     chosen = [experiment for experiment in experiments if experiment.name in {"loops", "scaling"}]

@@ -11,10 +11,10 @@ from explicable.evaluation.statistics import Counts, Estimate, compare_with_gee,
 
 TITLES = {
     "follower": "breadth-first follower",
-    "autonomous": "autonomous, nearest room",
+    "nearest": "autonomous, nearest room",
     "ff": "FF's joint plan",
-    "greedy": "explicable, first plan",
     "explicable": "explicable",
+    "learning": "explicable, learning the person",
     "oracle": "oracle",
 }
 
@@ -78,7 +78,7 @@ def _measures(cells: _Cells) -> Table:
     ]
     note = (
         "Means a game, with 95 % intervals (bootstrap clustered by problem and participant). The oracle knows"
-        " beforehand which of the strategies will be best for this participant with the same chance. The"
+        " what the participant will hold against it. The"
         " follower plans nothing and predicts nobody, so that its deviations say nothing."
     )
     return Table("measures", "Games in the closed loop", ("strategy", *columns), tuple(lines), note)
@@ -90,7 +90,7 @@ def _differences(cells: _Cells) -> Table:
         if "follower" not in plans:
             continue
         several = len({row["map"] for row in plans["follower"]}) > 1
-        answers = {name: _explicable(rows) for name, rows in plans.items() if name != "oracle"}
+        answers = {name: _explicable(rows) for name, rows in plans.items()}
         effects = {e.name: e for e in compare_with_gee(answers, "follower")} if several else {}
         for name, rows in plans.items():
             if name in effects:
