@@ -93,3 +93,12 @@ def test_ctrl_c_ends_the_game_which_is_still_on_record(map_file, tmp_path):
         playing.stdin.close()
         assert playing.wait(30) == 130
     assert read_episode(game).trace.notes["ending"] == "aborted"
+
+
+def test_a_simulated_participant_can_play_in_ones_place(map_file, tmp_path):
+    game = tmp_path / "game.jsonl"
+    played = explicable("play", map_file, "--simulated", "myopic", "--seed", 2, "-o", game)
+    assert played.returncode == 0, played.stderr
+    assert read_episode(game).trace.origin == "simulated"
+    assert explicable("replay", game).returncode == 0
+    assert explicable("play", map_file, "--simulated", "saints").returncode == 2

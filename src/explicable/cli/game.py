@@ -16,7 +16,7 @@ from explicable.model.plan import format_action
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from explicable.execution import EpisodeRecord, Planner, Setting
+    from explicable.execution import EpisodeRecord, Planner, Setting, SimulatedPerson
     from explicable.first_response import Semantics
 
 
@@ -32,6 +32,16 @@ if TYPE_CHECKING:
     help="How the robot plans without a labeller.",
 )
 @click.option("--ask/--no-ask", default=True, show_default=True, help="Ask about each step of the robot.")
+@click.option(
+    "--simulated", metavar="FAMILY", help="Let a simulated participant of this family play in your place."
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    help="Seed of the participant's chance.",
+)
 @click.option("--name", default="me", show_default=True, help="Your name in the record.")
 @click.option(
     "--pause",
@@ -48,6 +58,8 @@ def play(
     alpha: float,
     strategy: str,
     ask: bool,
+    simulated: str | None,
+    seed: int,
     name: str,
     pause: float,
     semantics: "Semantics",
@@ -60,16 +72,21 @@ def play(
     """
     from explicable import first_response as maps
     from explicable.cli.keyboard import Keyboard, KeyboardPerson
-    from explicable.execution import ClosedLoop, observable_facts, prepare, record, write_episode
+    from explicable.execution import ClosedLoop, Person, observable_facts, prepare, record, write_episode
 
     world = maps.read_map(map_file)
     problem = maps.encode(world, semantics)
     observable = observable_facts(problem)
     setting = prepare(problem, observable)
-    keyboard = Keyboard(world)
-    person = KeyboardPerson(name, setting, keyboard, ask=ask, pause=lambda: time.sleep(pause))
-    loop = ClosedLoop(setting, _planner(setting, labeller, alpha, strategy), person, watch=person.look)
-    person.quit = loop.abort
+    planner = _planner(setting, labeller, alpha, strategy)
+    person: Person
+    if simulated is not None:
+        person = _participant(setting, simulated, seed)
+        loop = ClosedLoop(setting, planner, person)
+    else:
+        person = KeyboardPerson(name, setting, Keyboard(world), ask=ask, pause=lambda: time.sleep(pause))
+        loop = ClosedLoop(setting, planner, person, watch=person.look)
+        person.quit = loop.abort
     try:
         loop.run()
     finally:
@@ -81,9 +98,20 @@ def play(
             write_episode(output, recorded)
     labels = [step.label for step in played.episode.trace.steps if step.label is not None]
     click.echo(
-        f"{played.episode.ending.value}: {len(played.episode.trace.steps)} steps, {labels.count(False)} of"
-        f" {len(labels)} made no sense to you; {played.num_deviations} times you did otherwise than predicted"
+        f"{played.episode.ending.value}: {len(played.episode.trace.steps)} steps; {labels.count(False)} of"
+        f" {len(labels)} made no sense to {person.name}, who did otherwise than predicted"
+        f" {played.num_deviations} times"
     )
+
+
+def _participant(setting: "Setting", family: str, seed: int) -> "SimulatedPerson":
+    import numpy as np
+
+    from explicable.cli.simulate import find_family
+    from explicable.execution import SimulatedPerson
+
+    participant = find_family(family, None).draw(seed, np.random.default_rng((seed, 0)))
+    return SimulatedPerson(setting, participant, np.random.default_rng((seed, 1)))
 
 
 def _planner(setting: "Setting", labeller: Path | None, alpha: float, strategy: str) -> "Planner":
