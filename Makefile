@@ -42,7 +42,7 @@ sanitize: $(SANITIZED)/.installed
 
 # The peers get an environment of their own; one that can't be installed is listed as absent in the page.
 PEERS := .venv-bench
-RUNS ?= 5
+RUNS ?= 3
 
 $(PEERS)/.installed: benchmarks/peers.txt
 	$(PYTHON) -m venv $(PEERS)

@@ -57,6 +57,7 @@ def measure(command: list[str], *, cwd: Path, limits: Limits, stdin: str | None 
 
 def _become(command: list[str], stdin: str | None, core: int, cpu_s: float, memory: int) -> None:
     os.setsid()
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or every start would compile what a user's doesn't
     os.sched_setaffinity(0, {core})
     seconds = max(1, int(cpu_s + 0.999))
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))

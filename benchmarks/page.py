@@ -10,7 +10,7 @@ from pathlib import Path
 from tables import Records, agile_score, geometric_mean, markdown_table, number, read_records
 from targets import rates, ratios, targets
 
-from peers import FD_EAGER, FD_LAZY, LABELLED, MAP_FOR_LABELS, OURS, PLAIN, WARM
+from peers import FD_EAGER, FD_LAZY, LABELLED, MAP_FOR_LABELS, OURS, PLAIN, RATE_S, WARM
 
 # FF 2.3 has no package and can't run here. Whole process, CPU seconds, measured on another machine.
 FF_QUOTED = {
@@ -33,8 +33,8 @@ INTRODUCTION = """# Benchmarks
 
 Made by `make bench` from recorded runs; don't edit by hand. CPU seconds (user and system, child processes
 included) and peak resident memory of the largest process; all programs in turns on one pinned core.
-Each figure is the median of n = {runs} runs, with the least and the greatest in brackets. Limits: {limit:g} s
-of CPU and {memory} MiB of address space. A plan counts only if a validator that is independent of explicable
+Each figure is the median of n = {runs} runs (of slow peers one, see below), with the least and the greatest
+in brackets. Limits: {limit:g} s of CPU and {memory} MiB of address space. A plan counts only if a validator that is independent of explicable
 (`benchmarks/validate.py`, on Fast Downward's reader) accepts it.
 
 {date}; {machine}; load at the start {load:.1f}; Python {python}; commit {commit}; {versions}.
@@ -62,6 +62,10 @@ def _introduction(records: Records) -> str:
     lines = [
         f"- Could not be run ({run['task']}): {run['program']}: {run.get('why') or run['outcome']}."
         for run in absent
+    ]
+    lines += [
+        f"- {name}: one run a task" + (f", {seconds:g} s of CPU at most." if seconds else ".")
+        for name, seconds in header.get("slow", {}).items()
     ]
     return "\n".join([text, *lines, ""])
 
@@ -148,8 +152,8 @@ def _rates(records: Records) -> Iterator[str]:
         return
     ours, theirs = rates(runs, OURS), rates(runs, FD_EAGER)
     yield "## Evaluations per second\n"
-    yield "Thousands; eager greedy best-first search with the FF heuristic, all costs one, 5 s at most."
-    yield "Set-up of the heuristic included.\n"
+    yield "Thousands; eager greedy best-first search with the FF heuristic, all costs one,"
+    yield f"{RATE_S} s at most. Set-up of the heuristic included.\n"
     rows = []
     for task in runs.tasks():
         mine, other = ours.get(task), theirs.get(task)

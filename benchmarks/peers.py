@@ -7,7 +7,7 @@ import json
 import re
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from measure import Cost
@@ -22,6 +22,7 @@ FD_TRANSLATE = "FD translate"
 CRFSUITE = "crfsuite"
 PLAIN = "plain"
 LABELLED = "labelled"
+RATE_S = 3  # seconds that eager search may take
 MAP_FOR_LABELS = ("25", "8")  # cells a side, marks
 
 _FF = "let(hff, eval_modify_costs(ff(), cost_type=one), "
@@ -32,7 +33,7 @@ _SEARCHES = {
     "lm_factory=lm_reasonable_orders_hps(lm_rhw()), pref=false), cost_type=one), "
     f"{_FF}"
     "lazy_greedy([hff, hlm], preferred=[hff, hlm], cost_type=one, reopen_closed=false)))",
-    FD_EAGER: f"{_FF}eager_greedy([hff], cost_type=one, max_time=5))",
+    FD_EAGER: f"{_FF}eager_greedy([hff], cost_type=one, max_time={RATE_S}))",
 }
 
 
@@ -66,13 +67,15 @@ class Program:
     """A planner or grounder: stages that run one after the other.
 
     `plan` names the file that then holds a plan, None if none is asked for; `read` takes further figures from
-    what the stages printed.
+    what the stages printed. A slow one may be granted fewer runs, and fewer CPU seconds, than the rest.
     """
 
     name: str
     stages: tuple[Stage, ...]
     plan: str | None = "plan"
     read: Callable[[dict[str, Cost]], dict] | None = None
+    most_runs: int | None = None
+    most_cpu_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,15 +98,15 @@ class Peers:
             Program(WARM, (_probe(sys.executable, "plan"),), read=report),
             self._fast_downward(FD_LAZY),
             self._fast_downward(FD_LAMA),
-            self._lapkt("BFWS-f5"),
             self._lapkt("DUAL-BFWS"),
-            Program("mimir", (_probe(self.python, "plan_mimir"),)),
-            self._pyperplan(),
+            replace(self._lapkt("BFWS-f5"), most_runs=1),
+            Program("mimir", (_probe(self.python, "plan_mimir"),), most_runs=1, most_cpu_s=10),
+            replace(self._pyperplan(), most_runs=1, most_cpu_s=5),
         ]
 
     def rates(self) -> list[Program]:
-        """Eager greedy best-first search with the FF heuristic and unit costs, for five seconds at most."""
-        ours = Program(OURS, (_probe(sys.executable, "rate", "5"),), plan=None, read=report)
+        """Eager greedy best-first search with the FF heuristic and unit costs, for `RATE_S` seconds."""
+        ours = Program(OURS, (_probe(sys.executable, "rate", str(RATE_S)),), plan=None, read=report)
         return [ours, self._fast_downward(FD_EAGER, plan=None, read=downward_statistics)]
 
     def labelled(self) -> list[Program]:
@@ -129,8 +132,8 @@ class Peers:
         """Conditional random fields trained on permutation-augmented traces."""
         call = (sys.executable, str(HERE / "crf_training.py"), "--program")
         return [
-            Program(name, (Stage("train", (*call, name)),), plan=None, read=report)
-            for name in (OURS, CRFSUITE)
+            Program(name, (Stage("train", (*call, name)),), plan=None, read=report, most_runs=runs)
+            for name, runs in ((OURS, None), (CRFSUITE, 1))
         ]
 
     def _fast_downward(self, name: str, plan: str | None = "plan", read: Callable | None = None) -> Program:

@@ -20,7 +20,7 @@ from typing import TextIO
 import click
 from measure import MIB, Limits
 from page import write_page
-from rich.progress import MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from solve import solve
 from tasks import GROUNDING_TASKS, RATE_TASKS, BenchmarkTask, growing, mixed, read_folder, small
 
@@ -40,6 +40,7 @@ class Bench:
     runs: int
     records: TextIO
     progress: Progress
+    verdicts: dict[tuple[str, str], dict]
 
     def record(self, experiment: str, **fields: object) -> None:
         """Keep one record, at once."""
@@ -48,20 +49,23 @@ class Bench:
 
     def take_turns(self, experiment: str, programs: list[Program], tasks: list[BenchmarkTask | None]) -> None:
         """Run every program on every task, `runs` times or until it fails."""
-        bar = self.progress.add_task(experiment, total=len(tasks) * self.runs * len(programs))
+        bar = self.progress.add_task(experiment, total=len(tasks))
         for task in tasks:
+            name = task.name if task else ""
             failed: set[str] = set()
             for run in range(self.runs):
                 turn = run % len(programs)
                 for program in programs[turn:] + programs[:turn]:
-                    name = task.name if task else ""
-                    self.progress.update(bar, advance=1, description=f"{experiment}: {name} {program.name}")
-                    if program.name in failed:
+                    if program.name in failed or run >= (program.most_runs or self.runs):
                         continue
-                    record = solve(program, task, self.peers, self.limits)
+                    self.progress.update(bar, description=f"{experiment}: {name} {program.name}")
+                    record = solve(program, task, self.peers, self.limits, self.verdicts)
                     self.record(experiment, run=run, **record)
                     if record["outcome"] != "solved":
                         failed.add(program.name)
+            self.progress.advance(bar)
+            if not self.progress.console.is_terminal:
+                self.progress.console.print(f"{experiment}: {name}: done")
         self.progress.update(bar, description=experiment)
 
     def able(self, experiment: str, programs: list[Program]) -> list[Program]:
@@ -73,7 +77,7 @@ class Bench:
                 if program.name in self.without:
                     self.record("absent", program=program.name, task=experiment, why="left out on request")
                     continue
-                record = solve(program, task, self.peers, self.limits)
+                record = solve(program, task, self.peers, self.limits, {})
                 if record["outcome"] == "solved":
                     able.append(program)
                 else:
@@ -134,6 +138,7 @@ def _header(peers: Peers, limits: Limits, runs: int) -> dict:
         "load": os.getloadavg()[0],
         "versions": _versions(peers),
         "cpu_limit_s": limits.cpu_s,
+        "slow": {p.name: p.most_cpu_s for p in peers.planners() + peers.trainers() if p.most_runs == 1},
         "memory_limit_mib": limits.memory_bytes // MIB,
         "runs": runs,
     }
@@ -187,14 +192,20 @@ def main(
     """Measure explicable and its peers on one core; Ctrl-C keeps what has been measured."""
     peers = Peers(home.resolve())
     limits = Limits(core=max(os.sched_getaffinity(0)), cpu_s=cpu_limit)
-    columns = (TextColumn("{task.description}"), MofNCompleteColumn(), TimeElapsedColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
     with (
         TemporaryDirectory(prefix="explicable-tasks-") as name,
         _kept(records) as file,
-        Progress(*columns) as progress,
+        Progress(*columns, speed_estimate_period=600) as progress,
     ):
         folder = Path(name)
-        bench = Bench(peers, without, limits, runs, file, progress)
+        bench = Bench(peers, without, limits, runs, file, progress, {})
         bench.record("header", **_header(peers, limits, runs))
         chosen = [task for task in (read_folder(tasks) if tasks else mixed(folder)) if match in task.name]
         if not chosen:

@@ -3,6 +3,7 @@
 import json
 import shutil
 import signal
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -12,11 +13,18 @@ from tasks import BenchmarkTask
 from peers import HERE, Peers, Program
 
 
-def solve(program: Program, task: BenchmarkTask | None, peers: Peers, limits: Limits) -> dict:
+def solve(
+    program: Program,
+    task: BenchmarkTask | None,
+    peers: Peers,
+    limits: Limits,
+    verdicts: dict[tuple[str, str], dict],
+) -> dict:
     """Run all stages within one CPU limit.
 
     `outcome` is `solved` (by a valid plan, or by giving its figures where no plan is asked for), `limit`,
-    `invalid` (the plan) or `failed`; `why` says more about the last two.
+    `invalid` (the plan) or `failed`; `why` says more about the last two. `verdicts` keeps what the validator
+    said of the text of a plan for a task, and is added to.
     """
     record: dict = {"program": program.name, "task": task.name if task else ""}
     with TemporaryDirectory(prefix="explicable-bench-") as folder:
@@ -24,13 +32,15 @@ def solve(program: Program, task: BenchmarkTask | None, peers: Peers, limits: Li
         if task:
             shutil.copyfile(task.domain, cwd / "domain.pddl")
             shutil.copyfile(task.problem, cwd / "problem.pddl")
+        if program.most_cpu_s is not None:
+            limits = replace(limits, cpu_s=min(limits.cpu_s, program.most_cpu_s))
         costs = _run_stages(program, cwd, limits)
         for name, cost in costs.items():
             record |= {f"{name}_cpu_s": cost.cpu_s, f"{name}_peak_mib": cost.peak_mib}
         record["cpu_s"] = sum(cost.cpu_s for cost in costs.values())
         record["wall_s"] = sum(cost.wall_s for cost in costs.values())
         record["peak_mib"] = max(cost.peak_mib for cost in costs.values())
-        return record | _outcome(program, cwd, costs, peers, limits)
+        return record | _outcome(program, task, cwd, costs, peers, limits, verdicts)
 
 
 def _run_stages(program: Program, cwd: Path, limits: Limits) -> dict[str, Cost]:
@@ -45,13 +55,26 @@ def _run_stages(program: Program, cwd: Path, limits: Limits) -> dict[str, Cost]:
     return costs
 
 
-def _outcome(program: Program, cwd: Path, costs: dict[str, Cost], peers: Peers, limits: Limits) -> dict:
+def _outcome(
+    program: Program,
+    task: BenchmarkTask | None,
+    cwd: Path,
+    costs: dict[str, Cost],
+    peers: Peers,
+    limits: Limits,
+    verdicts: dict[tuple[str, str], dict],
+) -> dict:
     last = costs[next(reversed(costs))]
     complete = len(costs) == len(program.stages)
     found = complete and program.plan and (cwd / program.plan).is_file()
     figures = program.read(costs) if program.read and complete else {}
     used_s = sum(cost.cpu_s for cost in costs.values())
-    judged = validate(peers, cwd, program.plan, limits.core) if found and used_s <= limits.cpu_s else {}
+    judged = {}
+    if task and program.plan and found and used_s <= limits.cpu_s:
+        key = task.name, (cwd / program.plan).read_text(errors="replace")
+        if key not in verdicts:
+            verdicts[key] = validate(peers, cwd, program.plan, limits.core)
+        judged = verdicts[key]
     if judged.get("valid") or (figures and not program.plan):
         return figures | judged | {"outcome": "solved"}
     stopped = last.exit_code in {
