@@ -6,14 +6,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from explicable.errors import UsageError
-from explicable.first_response import World, encode, generate
+from explicable.first_response import World, encode, generate, parse_map
 from explicable.model.durations import Durations
 from explicable.model.grounding import ground, ground_team
 from explicable.model.schedule import make_schedule
 from explicable.model.team import Agent, TeamProblem, TeamTask
-from explicable.planning.makespan import plan_schedule
-from explicable.search import Outcome
+from explicable.planning.goal_orders import GoalOrders
+from explicable.planning.makespan import plan_schedule, schedule_plan
+from explicable.search import Outcome, search
 from oracles.random_problems import ProblemMaker
+from planning.floors import DETOUR, judge_of_progress
 
 LENGTH = 3
 
@@ -46,7 +48,7 @@ def least_makespan(team_task, durations):
     return least
 
 
-@settings(max_examples=40)
+@settings(max_examples=100)
 @given(st.integers(0, 10**6), st.booleans())
 def test_what_is_proved_is_the_least_makespan_of_all_plans(seed, strips):
     rng = random.Random(seed)  # noqa: S311
@@ -79,7 +81,7 @@ def test_the_proof_succeeds_on_small_maps():
 def test_two_robots_are_done_sooner_than_one_after_the_other(semantics):
     world = generate(np.random.default_rng(5), num_robots=2)
     team_task = ground_team(encode(world, semantics, num_people=2))
-    planned = plan_schedule(team_task, time_limit_s=2.0, max_width=64)
+    planned = plan_schedule(team_task, time_limit_s=60.0, max_width=16)
     task = team_task.task
     assert task.is_goal(task.execute(planned.schedule.actions).states[-1])
     assert planned.lower_bound <= planned.schedule.makespan <= len(planned.schedule.steps)
@@ -96,3 +98,40 @@ def test_an_unsolvable_task_and_impossible_settings():
     for wrong in ({"alpha": -1.0}, {"alpha": float("nan")}, {"time_limit_s": 0.0}, {"max_width": 0}):
         with pytest.raises(UsageError):
             plan_schedule(team_task, **wrong)
+
+
+@pytest.mark.parametrize("semantics", ["persistent", "exclusive"])
+def test_plans_made_goal_by_goal_reach_the_goal_and_share_the_work(semantics):
+    for seed in range(3):
+        world = generate(np.random.default_rng(seed), num_robots=2)
+        team_task = ground_team(encode(world, semantics, num_people=2))
+        task, durations = team_task.task, Durations(schemas={"visit-room": 3.0})
+        plans = list(GoalOrders(team_task, durations, lambda: False).plans())
+        assert len(plans) > 1
+        for plan in plans:
+            assert task.is_goal(task.execute(plan).states[-1])
+        one_by_one = schedule_plan(team_task, tuple(map(task.action, search(task).operators)), durations)
+        planned = plan_schedule(team_task, durations, time_limit_s=60.0, max_width=4)
+        least = min(schedule_plan(team_task, plan, durations).schedule.makespan for plan in plans)
+        assert planned.schedule.makespan <= min(least, one_by_one.schedule.makespan)
+
+
+def test_goals_that_are_no_atoms_or_a_single_robot_are_left_to_the_beams():
+    alone = ground_team(encode(World(("@.*", "..*"))))
+    assert not list(GoalOrders(alone, Durations(), lambda: False).plans())
+
+
+def test_a_labeller_has_its_say_in_which_schedule_is_taken():
+    problem = encode(parse_map(DETOUR))
+    team_task, labeller = ground_team(problem), judge_of_progress()
+    planned = plan_schedule(team_task, labeller=labeller, alpha=2.0, time_limit_s=60.0, max_width=64)
+    assert planned.labelled.actions == planned.schedule.actions
+    num_inexplicable = len(planned.schedule.steps) * (1.0 - planned.labelled.scores.f_expected)
+    assert planned.objective == pytest.approx(planned.schedule.makespan + 2.0 * num_inexplicable)
+    given = schedule_plan(team_task, planned.schedule.actions, labeller=labeller, alpha=2.0)
+    assert given.objective == pytest.approx(planned.objective)
+    careless = plan_schedule(team_task, labeller=labeller, alpha=0.0, time_limit_s=60.0, max_width=64)
+    assert careless.schedule.makespan <= planned.schedule.makespan
+    assert planned.objective <= careless.schedule.makespan + 2.0 * len(careless.schedule.steps) * (
+        1.0 - careless.labelled.scores.f_expected
+    )

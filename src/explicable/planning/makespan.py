@@ -22,6 +22,7 @@ from explicable.model.durations import Durations
 from explicable.model.problem import GroundAtom
 from explicable.model.schedule import Schedule, make_schedule
 from explicable.model.team import TeamTask
+from explicable.planning.goal_orders import GoalOrders
 from explicable.planning.planner import check_alpha
 from explicable.planning.relaxed_times import Node, RelaxedTimes, Timetable
 from explicable.search import Outcome, search
@@ -33,6 +34,8 @@ Actions = tuple[GroundAtom, ...]
 
 _FIRST_WIDTH = 4
 _GROWTH = 4
+_SHARE_OF_ORDERS = 0.4
+"""Part of the time in which plans are made goal by goal, before the beams."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +87,8 @@ def plan_schedule(
     """Plan for ``makespan + alpha * E[number of inexplicable steps]``; without a labeller, for makespan.
 
     The search looks for low makespans; of all the plans that it meets, the one of least objective is taken.
-    The first is that of the sequential search, so there is an answer as soon as that has one.
+    The first is that of the sequential search, so there is an answer as soon as that has one; then come plans
+    made goal by goal (`explicable.planning.goal_orders`), then the beams.
 
     Parameters
     ----------
@@ -120,7 +124,11 @@ def plan_schedule(
     best = _Best(team_task, durations or Durations(), labeller, alpha)
     best.consider(tuple(map(team_task.task.action, result.operators)))
     beams = _Beams(team_task, best, began + time_limit_s)
+    orders_end = began + _SHARE_OF_ORDERS * time_limit_s
+    orders = GoalOrders(team_task, best.durations, lambda: time.perf_counter() > orders_end)
     try:
+        for actions in orders.plans():
+            best.consider(actions)
         lower_bound = beams.run(max_width)
     except KeyboardInterrupt:
         lower_bound = beams.lower_bound
