@@ -205,6 +205,9 @@ def test_budgets_and_prices_without_meaning_are_refused(place):
         done = explicable(place, *asked, "--min-explicability", "1")
         assert done.returncode == 5
         assert "budget" in done.stderr
+    assert explicable(place, *front, "--time-limit", "0").returncode == 5
+    (place / "walled.pddl").write_text(re.sub(r"\(clear [^)]*\)", "", (place / "problem.pddl").read_text()))
+    assert explicable(place, "front", "labeller.json", "domain.pddl", "walled.pddl").returncode == 4
 
 
 def on_the_floor(name, labeller, *human):

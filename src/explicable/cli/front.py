@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from explicable.cli import EXIT_LIMIT
+from explicable.cli import EXIT_LIMIT, EXIT_UNSOLVABLE
 from explicable.cli.budgets import Budget, budget_options
 from explicable.cli.files import INPUT_FILE, TeamProblemPaths, load_labeller, team_problem_arguments
 from explicable.model.plan import format_action, format_plan
@@ -59,7 +59,8 @@ def front(
 ) -> int:
     """List the plans that are best at some price of an inexplicable step, the cheapest first.
 
-    With a budget, mark the plan that it chooses. Exit code 5 if there is no plan, or none within the budget.
+    With a budget, mark the plan that it chooses. Exit code 4 if there is no plan, 5 if none was found in
+    time or none keeps to the budget.
     """
     from explicable.planning import choose
     from explicable.planning import front as find_front
@@ -84,8 +85,11 @@ def front(
         click.echo(json.dumps({"plans": records, "chosen": number}))
     elif plans:
         click.echo(_table(plans, number), nl=False)
+    if not plans and not team_task.task.goal_reachable:
+        click.echo("no plan: unsolvable", err=True)
+        return EXIT_UNSOLVABLE
     if not plans or (budget is not None and chosen is None):
-        click.echo("no plan keeps to the budget" if plans else "no plan", err=True)
+        click.echo("no plan keeps to the budget" if plans else "no plan found in time", err=True)
         return EXIT_LIMIT
     return 0
 

@@ -124,23 +124,27 @@ def explore(
     deadline = math.inf if time_limit_s is None else time.monotonic() + time_limit_s
     pool = Pool()
 
-    def solve(alpha: float) -> None:
-        found = plan_explicably(
-            team_task,
-            labeller,
-            alpha=alpha,
-            improve_s=search_s,
-            time_limit_s=None if deadline == math.inf else max(0.0, deadline - time.monotonic()),
-            seed=seed,
-        )
-        pool.add(found, alpha)
+    def left_s() -> float:
+        return max(0.0, deadline - time.monotonic())
 
+    def solve(alpha: float) -> None:
+        limit_s = None if deadline == math.inf else left_s()
+        pool.add(
+            plan_explicably(
+                team_task, labeller, alpha=alpha, improve_s=search_s, time_limit_s=limit_s, seed=seed
+            ),
+            alpha,
+        )
+
+    cheapest_s = min(search_s, left_s())
     pool.add(
-        plan_classically(team_task, labeller=labeller, algorithm="anytime", time_limit_s=search_s, seed=seed)
+        plan_classically(
+            team_task, labeller=labeller, algorithm="anytime", time_limit_s=cheapest_s, seed=seed
+        )
     )
     for alpha in (SMALLEST_ALPHA, max_alpha):
         solve(alpha)
-    while time.monotonic() < deadline and (fresh := pool.unsettled(max_alpha)):
+    while left_s() > 0 and (fresh := pool.unsettled(max_alpha)):
         solve(fresh[0])
     return pool
 
