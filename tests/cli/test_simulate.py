@@ -1,0 +1,57 @@
+"""`explicable simulate`: any team problem, any family, and games that don't end well."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cli.test_given_plans import explicable
+from explicable.labelling import check_traces, read_traces
+
+ROVERS = Path(__file__).parents[2] / "examples" / "rover-survey"
+FILES = [str(ROVERS / name) for name in ("domain.pddl", "problem.pddl")]
+HUMAN = [
+    "--human-domain",
+    str(ROVERS / "human-domain.pddl"),
+    "--human-problem",
+    str(ROVERS / "human-problem.pddl"),
+]
+
+
+@pytest.mark.parametrize("way", ["commanded", "autonomous"])
+def test_games_become_sound_labelled_traces_and_the_seed_decides(tmp_path, way):
+    for name, seed in (("one", "3"), ("same", "3"), ("other", "4")):
+        done = explicable(
+            tmp_path, "simulate", *FILES, *HUMAN, "--num", "3", "--way", way, "--seed", seed, "-o", name
+        )
+        assert (done.returncode, done.stdout) == (0, ""), done.stderr
+    traces = read_traces(tmp_path / "one")
+    assert len(traces) == 3
+    assert not check_traces(traces)
+    assert {trace.origin for trace in traces} == {"simulated"}
+    assert {step.label for trace in traces for step in trace.steps} == {True, False, None}
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "same").read_bytes()
+    assert (tmp_path / "one").read_bytes() != (tmp_path / "other").read_bytes()
+
+
+def test_families_of_ones_own(tmp_path):
+    (tmp_path / "people.toml").write_text("[stern]\nslack = 0\n[fond]\nslack = 1000\n")
+    labels = {}
+    for family in ("stern", "fond"):
+        who = ["--families", "people.toml", "--family", family]
+        assert explicable(tmp_path, "simulate", *FILES, *HUMAN, *who, "-o", family).returncode == 0
+        record = json.loads((tmp_path / family).read_text())
+        labels[family] = [step["label"] for step in record["steps"]]
+    assert False in labels["stern"]
+    assert False not in labels["fond"]
+    done = explicable(tmp_path, "simulate", *FILES, "--families", "people.toml", "-o", "x")
+    assert done.returncode == 2
+    assert "choose stern, fond" in done.stderr
+
+
+def test_a_game_that_leads_nowhere_is_said(tmp_path):
+    text = Path(FILES[1]).read_text()
+    (tmp_path / "cut-off.pddl").write_text(text.replace("(antenna lander) (antenna mesa)", ""))
+    done = explicable(tmp_path, "simulate", FILES[0], "cut-off.pddl", "-o", "traces")
+    assert done.returncode == 0
+    assert "warning: 1 of 1 games: nobody knew how to go on" in done.stderr
