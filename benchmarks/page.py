@@ -34,8 +34,8 @@ INTRODUCTION = """# Benchmarks
 Made by `make bench` from recorded runs; don't edit by hand. CPU seconds (user and system, child processes
 included) and peak resident memory of the largest process; all programs in turns on one pinned core.
 Each figure is the median of n = {runs} runs (of slow peers one, see below), with the least and the greatest
-in brackets. Limits: {limit:g} s of CPU and {memory} MiB of address space. A plan counts only if a validator that is independent of explicable
-(`benchmarks/validate.py`, on Fast Downward's reader) accepts it.
+in brackets. Limits: {limit:g} s of CPU and {memory} MiB of address space. A plan counts only if a validator
+that is independent of explicable (`benchmarks/validate.py`, on Fast Downward's reader) accepts it.
 
 {date}; {machine}; load at the start {load:.1f}; Python {python}; commit {commit}; {versions}.
 """
