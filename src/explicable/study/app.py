@@ -283,6 +283,9 @@ def _script_routes(server: Server) -> APIRouter:
         except ConflictError as error:
             shown = await server.read(lambda tx: view_of(conduct.standing(tx, session), language))
             return _json(Problem(error=str(error), view=shown), 409)
+        if standing.material is not None and standing.material.condition.mode == "teaming":
+            # The robot may plan now: aside, so that others need not wait.
+            return _json(await asyncio.to_thread(view_of, standing, language))
         return _json(view_of(standing, language))
 
     @routes.post("/step", response_model=View)

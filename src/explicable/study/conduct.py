@@ -106,7 +106,9 @@ class Conduct:
         standing, material, moment = self._task(tx, row, None)
         after = material.game.command(moment, parse_action(operator))
         self._record(tx, standing, moment, after, request)
-        return self._went_on(tx, standing, after, request, "commanded", {"operator": operator})
+        expected = material.game.expected(moment.actions)
+        data = {"operator": operator, "expected": expected and format_action(expected)}
+        return self._went_on(tx, standing, after, request, "commanded", data)
 
     def happen(
         self,

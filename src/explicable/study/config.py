@@ -8,7 +8,6 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from explicable.errors import InputError
-from explicable.execution.episodes import Way
 from explicable.first_response.encoding import Semantics
 from explicable.study.game import Ask
 
@@ -30,8 +29,13 @@ class Play(_Table):
 
     Parameters
     ----------
-    semantics, mode
+    semantics
         See the method page, section 5.
+    mode
+        ``commanded`` and ``autonomous`` as there; ``teaming``: the robot follows joint plans that a labeller
+        finds explicable, and plans anew when the person deviates.
+    labeller, alpha, planning_s
+        For ``teaming``: the labeller's file, the price of an inexplicable step, seconds for a plan.
     ask
         Whether people are asked about a robot's step after or before it is taken.
     step_s, idle_step_s
@@ -39,10 +43,19 @@ class Play(_Table):
     """
 
     semantics: Semantics = "exclusive"
-    mode: Way = "commanded"
+    mode: Literal["commanded", "autonomous", "teaming"] = "commanded"
+    labeller: Text | None = None
+    alpha: Annotated[float, Field(ge=0, le=1e6)] = 1.0
+    planning_s: Annotated[float, Field(gt=0, le=10)] = 0.3
     ask: Ask = "after"
     step_s: Seconds = 1.0
     idle_step_s: Seconds = 1.0
+
+    @model_validator(mode="after")
+    def _has_labeller(self) -> Self:
+        if self.mode == "teaming" and self.labeller is None:
+            raise ValueError("live teaming needs a labeller: labeller = FILE (see `explicable train`)")
+        return self
 
 
 class Condition(Play):
@@ -255,6 +268,7 @@ def study_hash(folder: Path, study: Study) -> str:
     for task in study.task:
         files = (task.map, task.domain, task.problem, task.human_domain, task.human_problem, task.plan)
         names += [name for name in files if name is not None]
+    names += [condition.labeller for condition in study.conditions if condition.labeller is not None]
     digest = hashlib.sha256()
     for name in dict.fromkeys(names):
         digest.update(hashlib.sha256(resolve(folder, name).read_bytes()).digest())

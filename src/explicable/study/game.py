@@ -60,12 +60,15 @@ class Game:
         The next step; see `play_by_commands` and `replay`.
     length
         Number of steps of a replayed plan; None for play, which ends at the goal.
+    expected
+        What the person was predicted to do next, by the actions so far, where the robot predicts it.
     """
 
     setting: "Setting"
     ask: Ask
     choose: Next
     length: int | None = None
+    expected: "Callable[[tuple[GroundAtom, ...]], GroundAtom | None]" = lambda _: None
     _states: "dict[tuple[GroundAtom, ...], State]" = field(default_factory=dict, compare=False, repr=False)
 
     def state(self, moment: Moment) -> "State":

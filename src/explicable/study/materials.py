@@ -8,6 +8,7 @@ from pathlib import Path
 from explicable.errors import InputError, PlanError
 from explicable.execution import Setting, prepare
 from explicable.first_response import World, encode, read_map
+from explicable.labelling import Labeller
 from explicable.model.plan import format_action, read_plan
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
@@ -16,6 +17,7 @@ from explicable.study.config import Condition, Study, Task, read_study, resolve,
 from explicable.study.game import Game, play_by_commands, replay
 from explicable.study.pictures import MapPictures
 from explicable.study.sentences import Wording
+from explicable.study.teaming import LabelledPlanner, Teaming
 from explicable.study.words import Language, language
 
 PRACTICE = "practice"
@@ -92,10 +94,13 @@ class Materials:
         setting = self._setting(task, world, condition)
         domain = setting.problem.composite.domain
         plan = self._plan(task, setting) if task.plan else None
-        if plan is None:
-            game = Game(setting, condition.ask, play_by_commands(setting, condition.mode))
-        else:
+        if plan is not None:
             game = Game(setting, condition.ask, replay(plan), len(plan))
+        elif condition.mode == "teaming":
+            teaming = Teaming(setting, self._planner(condition))
+            game = Game(setting, condition.ask, teaming.choose, expected=teaming.expected)
+        else:
+            game = Game(setting, condition.ask, play_by_commands(setting, condition.mode))
         wording = Wording(domain, self.study.sentences, self.study.facts)
         pictures = MapPictures(world) if world else None
         if pictures is not None:
@@ -120,6 +125,10 @@ class Materials:
                 problem = read_team_problem(*files)  # type: ignore[arg-type]  # the first two are there
             self._settings[key] = prepare(problem)
         return self._settings[key]
+
+    def _planner(self, condition: Condition) -> LabelledPlanner:
+        path = resolve(self.folder, condition.labeller or "")
+        return LabelledPlanner(Labeller.load(path), condition.alpha, condition.planning_s)
 
     def _plan(self, task: Task, setting: Setting) -> tuple[GroundAtom, ...]:
         path = resolve(self.folder, task.plan or "")

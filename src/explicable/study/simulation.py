@@ -205,7 +205,7 @@ class _Eye:
     """What a simulated participant sees of one task, and makes of it."""
 
     def __init__(self, material: Material, participant: Participant, rng: np.random.Generator) -> None:
-        expects_initiative = participant.initiative or material.condition.mode == "autonomous"
+        expects_initiative = participant.initiative or material.condition.mode != "commanded"
         participant = replace(participant, initiative=expects_initiative)
         setting = material.game.setting
         self.person = SimulatedPerson(setting, participant, rng)
