@@ -1,7 +1,7 @@
 """How much sooner a team is done that acts at once, and how far from the lower bound.
 
-Run ``python benchmarks/makespan.py --out makespan.jsonl``: one record a map, then a summary, read back from the
-records. Generated first-response maps with several robots and people; each step takes 1.
+Run ``python benchmarks/makespan.py --out makespan.jsonl``: one record a map, then a summary, read back from
+the records. Generated first-response maps with several robots and people; each step takes 1.
 """
 
 import argparse

@@ -8,7 +8,7 @@ from explicable.execution import prepare
 from explicable.execution.dispatch import Dispatcher, DispatchLimits
 from explicable.execution.episodes import Ending
 from explicable.execution.facts import change_state, observable_facts
-from explicable.execution.robots import Fact, Finished, Refused, SimulatedRobot, SimulatedWorld
+from explicable.execution.robots import Fact, Failed, Finished, Refused, SimulatedRobot, SimulatedWorld
 from explicable.first_response import World, encode, generate
 from explicable.model.durations import Durations
 from explicable.model.grounding import ground
@@ -169,6 +169,20 @@ def test_a_person_who_acts_of_their_own_accord_is_heeded():
     assert run.ending is Ending.REACHED
     own = [done.step.action for done in run.steps if done.report is None]
     assert own == [("command", "person", "c-2-0"), ("command", "person", "c-0-3")]
+
+
+def test_breaking_off_asks_everybody_to_stop():
+    stage = Stage(encode(CORRIDORS))
+
+    def break_off(_):
+        raise KeyboardInterrupt
+
+    stage.dispatcher._pause = break_off
+    with pytest.raises(KeyboardInterrupt):
+        stage.run()
+    busy = [member for member in stage.crew if member.state().order]
+    assert busy
+    assert all(isinstance(member.poll(), Failed) for member in busy)
 
 
 def test_each_agent_needs_one_robot():

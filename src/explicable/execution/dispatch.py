@@ -168,7 +168,16 @@ class Dispatcher:
         self._outside.append(action)
 
     def run(self) -> DispatchRun:
-        """Carry the schedule out to its end."""
+        """Carry the schedule out to its end; after a Ctrl-C, what is under way is asked to stop."""
+        try:
+            ending = self._carry_out()
+        except KeyboardInterrupt:
+            for member in self._crew.values():
+                member.cancel()
+            raise
+        return DispatchRun(ending, tuple(self._history), self._num_plans, frozenset(self._lost))
+
+    def _carry_out(self) -> Ending:
         ending = None
         while ending is None:
             happened = self._take_outside() | self._take_reports() | self._watch_the_clock()
@@ -179,7 +188,7 @@ class Dispatcher:
                 ending = self._time_up() if waits else self._ending()
                 if ending is None and waits:
                     self._pause(0.01)
-        return DispatchRun(ending, tuple(self._history), self._num_plans, frozenset(self._lost))
+        return ending
 
     def _adopt(self, schedule: Schedule) -> None:
         self._schedule = schedule
