@@ -96,7 +96,7 @@ def play(
             text = maps.format_map(world)
             recorded = record(played, setting.truth.task, observable=observable, map_text=text, notes=notes)
             write_episode(output, recorded)
-    labels = [step.label for step in played.episode.trace.steps if step.label is not None]
+    labels = [step.is_explicable for step in played.episode.trace.steps if step.label is not None]
     click.echo(
         f"{played.episode.ending.value}: {len(played.episode.trace.steps)} steps; {labels.count(False)} of"
         f" {len(labels)} made no sense to {person.name}, who did otherwise than predicted"
@@ -203,7 +203,7 @@ def _draw(recorded: "EpisodeRecord", step_s: float) -> str:
         parse_map(recorded.map_text),
         "robot",
         plan=[step.action for step in steps],
-        labels=[None if step.label is None else step.label is not False for step in steps],
+        labels=[step.is_explicable for step in steps],
         title=f"{recorded.trace.annotator}: {recorded.trace.notes.get('ending', '')}".rstrip(": "),
         key=True,
         step_s=step_s,

@@ -178,10 +178,7 @@ class LearningPlanner:
         """Take in what has happened."""
         self._num_steps = len(course.steps)
         if course.occurrences[-1].event is Event.ANSWER_GIVEN:
-            self._answers = {
-                number: None if step.label is None else step.label is not False
-                for number, step in enumerate(course.steps)
-            }
+            self._answers = dict(enumerate(step.is_explicable for step in course.steps))
         if self.person is not None:
             self.person.see(course)
 
