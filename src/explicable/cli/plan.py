@@ -88,13 +88,7 @@ def plan(
     from explicable.model.files import write_whole
     from explicable.model.grounding import ground_team
     from explicable.model.plan import format_plan
-    from explicable.planning import (
-        check_alpha,
-        plan_as_in_paper,
-        plan_classically,
-        plan_explicably,
-        plan_within_budget,
-    )
+    from explicable.planning import check_alpha, plan_as_in_paper, plan_classically, plan_explicably
 
     check_alpha(1.0 if alpha is None else alpha)
     is_plain = labeller_file is None or planner == "ff"
@@ -128,6 +122,8 @@ def plan(
     elif mode == "paper":
         result = plan_as_in_paper(team_task, labeller, **limits)
     elif budget is not None:
+        from explicable.planning import plan_within_budget
+
         result = plan_within_budget(team_task, labeller, **budget, time_limit_s=time_limit, seed=seed)
     else:
         price = 1.0 if alpha is None else alpha

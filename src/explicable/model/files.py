@@ -34,19 +34,15 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
 
 
 def _replace(path: Path, data: bytes) -> None:
-    import tempfile  # with all that it imports, the slowest part of start-up
-
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, aside = tempfile.mkstemp(dir=path.parent, prefix=".explicable.")
+    # Not by tempfile: with all that it imports it would be the slowest part of start-up.
+    aside = path.parent / f".explicable.{os.urandom(8).hex()}"
     try:
-        with os.fdopen(handle, "wb") as file:
+        with aside.open("xb") as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(aside).chmod(0o666 & ~umask)
-        Path(aside).replace(path)
+        aside.replace(path)
     except BaseException:
-        Path(aside).unlink(missing_ok=True)
+        aside.unlink(missing_ok=True)
         raise
