@@ -73,6 +73,9 @@ def visit(browser: Browser, link: str, password: str, width: str, scheme: str) -
     page.click("main button")
     page.wait_for_selector("table")
     photograph(page, f"researcher-{width}")
+    page.goto(f"{link}admin/maps?from=training-02")
+    page.wait_for_selector("#robot svg")
+    photograph(page, f"editor-{width}")
     page.close()
 
 

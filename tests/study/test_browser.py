@@ -7,6 +7,7 @@ from axe_playwright_python.sync_playwright import Axe
 from browser import chromium
 from studies import write_study
 
+from explicable.first_response import read_map
 from explicable.study import schema as tables
 from explicable.study.serving import Server
 from explicable.study.store import Store, sqlite_url
@@ -218,6 +219,48 @@ def test_two_tabs_show_the_same_task_and_take_each_step_once(page, served):
     numbers = [(step.assignment, step.number) for step in rows(folder, tables.STEPS)]
     assert len(numbers) == len(set(numbers))
     assert rows(folder, tables.LABELS)[0].explicable is False
+
+
+def test_a_map_is_painted_by_mouse_and_keys_and_saved(page, served):
+    folder, link, password = served
+    page.goto(f"{link}admin")
+    page.fill("input[type=password]", password)
+    page.click("main button")
+    page.click("text=Map editor")
+    page.wait_for_selector("#grid button")
+
+    def paint(character, row, column):
+        page.check(f"#palette input[value='{character}']")
+        page.locator("#grid tr").nth(row).locator("button").nth(column).click()
+
+    def status(text):
+        page.wait_for_selector(f"#status:has-text('{text}')")
+
+    status("no robot")
+    paint("@", 1, 1)
+    status("no marked room")
+    paint("*", 1, 3)
+    status("Every marked room can be reached")
+    page.locator("#grid tr").nth(1).locator("button").nth(1).focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("x")
+    page.keyboard.press("ArrowDown")
+    for _ in range(6):
+        page.keyboard.press("x")
+        page.keyboard.press("ArrowLeft")
+    status("cannot be reached")
+    assert page.get_attribute("#save-button", "aria-disabled") == "true"
+    page.locator("#grid tr").nth(1).locator("button").nth(2).focus()
+    page.keyboard.press(".")
+    status("Every marked room can be reached")
+    assert Axe().run(page).violations_count == 0, Axe().run(page).generate_report()
+    page.fill("#name", "painted")
+    page.click("#save-button")
+    status("Saved as maps/painted.map")
+    world = read_map(folder / "maps" / "painted.map")
+    assert world.marks == ((1, 3),)
+    assert (1, 2) not in world.hidden
+    assert world.hidden
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

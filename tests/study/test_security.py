@@ -15,6 +15,7 @@ from starlette.responses import PlainTextResponse
 from starlette.testclient import TestClient
 from studies import Visitor, open_study, write_study
 
+from explicable.first_response import read_map
 from explicable.study import schema as tables
 from explicable.study.folder import open_database, read_secret
 from explicable.study.security import MAX_BODY_BYTES, Guard, Limiter
@@ -232,6 +233,36 @@ def test_the_researcher_sees_and_downloads_what_there_is(study):
     assert not any("recruit" in name for name in names)
     assert len(steps) > 5
     assert client.post("/admin/logout", data={"token": token}, follow_redirects=False).status_code == 303
+
+
+def test_the_editor_saves_maps_in_their_folder_and_overwrites_none(study, tmp_path):
+    client, _, password = study
+    assert client.post("/admin/maps/save", json={"rows": ["@*"], "name": "new"}).status_code in {
+        303,
+        405,
+        200,
+    }
+    assert not (tmp_path / "maps").exists()
+    sign_in(client, password)
+    token = client.get("/admin/maps").text.split('data-token="')[1].split('"')[0]
+    headers = {"x-token": token}
+
+    def save(name, rows, **more):
+        return client.post("/admin/maps/save", json={"rows": rows, "name": name}, **more).status_code
+
+    assert save("new", ["@*"]) == 403
+    for name in ("../new", "a/b", "", "NEW", "a" * 99, "new.map", "..", "-", "ä"):
+        assert save(name, ["@*"], headers=headers) == 422
+    for rows in ([], ["@"], ["@x*"], ["@*", "."], ["?"], ["@*" * 20], [""], ["@*"] * 21):
+        assert save("new", rows, headers=headers) == 422
+    assert not (tmp_path / "maps").exists()
+    assert save("new", ["@*"], headers=headers) == 200
+    assert read_map(tmp_path / "maps" / "new.map").rows == ("@*",)
+    assert save("new", ["@.*"], headers=headers) == 409
+    seen = client.post("/admin/maps/look", json={"rows": ["@.x*", "...."]}, headers=headers).json()
+    assert "hidden" not in seen["human"]
+    assert "1 hidden obstacles" in seen["robot"]
+    assert "from" in client.get("/admin/maps?from=../../etc/passwd").text
 
 
 def test_passwords_can_not_be_tried_fast(study):

@@ -13,7 +13,7 @@ from explicable.study.materials import read_materials
 from explicable.study.words import LOCALE
 
 STUDY = Path(LOCALE).parent
-RESEARCHERS = {"admin.html", "login.html"}  # are in English
+RESEARCHERS = {"admin.html", "editor.html", "login.html"}  # are in English
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, HTTPException, Request
 from fastapi.responses import RedirectResponse, Response, StreamingResponse
 
+from explicable.study import editor
 from explicable.study.folder import read_setting
 from explicable.study.forms import read_form
 from explicable.study.ledger import OPEN_STAGES
@@ -111,6 +112,7 @@ def routes(server: "Server", tries: Limiter) -> APIRouter:
         headers = {"Content-Disposition": f'attachment; filename="{name}"'}
         return StreamingResponse(_sent_then_removed(path, folder), 200, headers, "application/zip")
 
+    router.include_router(editor.routes(server, require), prefix="")
     return router
 
 

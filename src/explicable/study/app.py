@@ -189,7 +189,7 @@ def _handle_errors(app: FastAPI, server: Server) -> None:
     async def refused(request: HTTPRequest, error: AnyHTTPException) -> Response:
         if error.status_code == 303 and error.headers:
             return RedirectResponse(error.headers["Location"], 303)
-        if not request.url.path.startswith("/api/"):
+        if not request.url.path.startswith(("/api/", "/admin/maps/")):
             return server.pages.problem(str(error.detail), error.status_code)
         return JSONResponse(Problem(error=str(error.detail)).model_dump(), error.status_code)
 
