@@ -1,6 +1,6 @@
 """How much sooner a team is done that acts at once, and how far from the lower bound.
 
-Run ``python benchmarks/makespan.py --out makespan.jsonl``: one record a map, then a summary, read back from
+Run ``python benchmarks/makespan.py``: one record a map, then a summary, read back from
 the records. Generated first-response maps with several robots and people; each step takes 1.
 """
 
@@ -15,6 +15,8 @@ from explicable.model.files import write_whole
 from explicable.model.grounding import ground_team
 from explicable.planning import plan_schedule, schedule_plan
 from explicable.search import search
+
+RECORDS = Path(__file__).parents[1] / "build" / "benchmarks" / "makespan.jsonl"
 
 
 def measure(seed, arguments):
@@ -52,7 +54,7 @@ def main():
         parser.add_argument(f"--{name}", type=int, default=default)
     parser.add_argument("--people", type=int, default=2)
     parser.add_argument("--time-limit", type=float, default=2.0, help="seconds a map")
-    parser.add_argument("--out", type=Path, default=Path("makespan.jsonl"))
+    parser.add_argument("--out", type=Path, default=RECORDS)
     arguments = parser.parse_args()
     seeds = range(arguments.seed, arguments.seed + arguments.maps)
     records = [{**vars(arguments), "out": None, **measure(seed, arguments)} for seed in seeds]

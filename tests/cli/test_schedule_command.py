@@ -1,10 +1,12 @@
 import json
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 
 from explicable.cli import run
 
+EXAMPLE = Path(__file__).parents[2] / "examples" / "first-response-team"
 MAP = "@..*\n####\n*..@\n"
 
 
@@ -70,3 +72,14 @@ def test_what_cannot_be_reached_is_said_to_be_so(team, tmp_path, capsys):
     assert "no plan" in capsys.readouterr().err
     assert run([*team, "--json"]) == 4
     assert json.loads(capsys.readouterr().out)["schedule"] is None
+
+
+def test_the_example_of_two_robots_and_two_people(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run(["first-response", "encode", str(EXAMPLE / "team.map"), "--people", "2", "-o", "."]) == 0
+    capsys.readouterr()
+    arguments = ["--durations", str(EXAMPLE / "durations.toml"), "--time-limit", "1", "--json"]
+    assert run(["schedule", "domain.pddl", "problem.pddl", *arguments]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert {"r1", "r2", "person"} <= {step["agent"] for step in record["schedule"]}
+    assert record["makespan"] < 0.6 * sum(step["duration"] for step in record["schedule"])

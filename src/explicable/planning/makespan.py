@@ -23,7 +23,7 @@ from explicable.model.problem import GroundAtom
 from explicable.model.schedule import Schedule, make_schedule
 from explicable.model.team import TeamTask
 from explicable.planning.goal_orders import GoalOrders
-from explicable.planning.planner import check_alpha
+from explicable.planning.planner import check_alpha, plan_explicably
 from explicable.planning.relaxed_times import Node, RelaxedTimes, Timetable
 from explicable.search import Outcome, search
 
@@ -34,8 +34,8 @@ Actions = tuple[GroundAtom, ...]
 
 _FIRST_WIDTH = 4
 _GROWTH = 4
-_SHARE_OF_ORDERS = 0.4
-"""Part of the time in which plans are made goal by goal, before the beams."""
+_SHARE_OF_EXPLICABLE, _SHARE_OF_ORDERS = 0.2, 0.4
+"""Parts of the time for the explicable planner, and for plans made goal by goal; the beams have the rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +87,8 @@ def plan_schedule(
     """Plan for ``makespan + alpha * E[number of inexplicable steps]``; without a labeller, for makespan.
 
     The search looks for low makespans; of all the plans that it meets, the one of least objective is taken.
-    The first is that of the sequential search, so there is an answer as soon as that has one; then come plans
-    made goal by goal (`explicable.planning.goal_orders`), then the beams.
+    The first is that of the sequential search, so there is an answer as soon as that has one; then come that
+    of the explicable planner, plans made goal by goal (`explicable.planning.goal_orders`), and the beams.
 
     Parameters
     ----------
@@ -123,8 +123,15 @@ def plan_schedule(
         return ScheduledPlan(result.outcome, None, None, None, bound, 0, time.perf_counter() - began)
     best = _Best(team_task, durations or Durations(), labeller, alpha)
     best.consider(tuple(map(team_task.task.action, result.operators)))
+    if labeller is not None:
+        share_s = _SHARE_OF_EXPLICABLE * time_limit_s
+        expected = plan_explicably(
+            team_task, labeller, alpha=alpha, time_limit_s=share_s, improve_s=share_s, seed=seed
+        )
+        if expected.plan is not None:
+            best.consider(expected.plan.actions)
     beams = _Beams(team_task, best, began + time_limit_s)
-    orders_end = began + _SHARE_OF_ORDERS * time_limit_s
+    orders_end = time.perf_counter() + _SHARE_OF_ORDERS * time_limit_s
     orders = GoalOrders(team_task, best.durations, lambda: time.perf_counter() > orders_end)
     try:
         for actions in orders.plans():
