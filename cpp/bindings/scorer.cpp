@@ -42,7 +42,7 @@ std::shared_ptr<TeamTables> make_tables(const CoreTask& composite, const CoreTas
 
 OperatorId check_operator(const TeamTables& tables, OperatorId step) {
     if (step < 0 || step >= tables.num_operators()) throw nb::index_error("no such operator");
-    if (tables.schema[step] < 0) throw nb::index_error("an auxiliary operator is no step");
+    if (tables[step].schema < 0) throw nb::index_error("an auxiliary operator is no step");
     return step;
 }
 
@@ -89,8 +89,8 @@ void bind_scorer(nb::module_& module) {
                          return rows;
                      })
         .def_ro("max_arity", &TeamTables::max_arity)
-        .def("is_human", [](const TeamTables& t, OperatorId o) { return t.is_human[check_operator(t, o)] != 0; })
-        .def("is_believed", [](const TeamTables& t, OperatorId o) { return t.in_mental[check_operator(t, o)] != 0; })
+        .def("is_human", [](const TeamTables& t, OperatorId o) { return t[check_operator(t, o)].is_human; })
+        .def("is_believed", [](const TeamTables& t, OperatorId o) { return t[check_operator(t, o)].in_mental; })
         .def("asks_for", [](const TeamTables& t, OperatorId o) { return t.asks_for[check_operator(t, o)]; })
         .def("fulfils", [](const TeamTables& t, OperatorId o) { return row(t.fulfils, check_operator(t, o)); })
         .def("achieves", [](const TeamTables& t, OperatorId o) { return row(t.achieves, check_operator(t, o)); })

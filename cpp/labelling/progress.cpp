@@ -29,7 +29,7 @@ Distance nearest(std::span<const FactId> facts, const std::vector<Distance>& dis
 
 void TeamTables::measure_requests(const Measure& measure) {
     const auto width = static_cast<std::size_t>(num_requests());
-    const auto num_operators = schema.size();
+    const auto num_operators = steps_.size();
     if (width > 0 && num_operators > kMaxEntries / width) throw std::length_error("too many operators times requests");
     toward_request_.resize(width * num_operators);
     std::vector<std::vector<FactId>> sources;
@@ -89,9 +89,11 @@ void TeamTables::measure_goals(const Measure& measure) {
         return place->second;
     };
     for (OperatorId op = 0; op < num_operators(); ++op) {
-        from_.push_back(place_of(used_up(measure.composite, op)));
-        to_.push_back(place_of({adds_[op].begin(), adds_[op].end()}));
+        steps_[op].from = place_of(used_up(measure.composite, op));
+        steps_[op].to = place_of({adds_[op].begin(), adds_[op].end()});
     }
+    if (count <= kMaxTourGoals && steps_.size() <= kMaxRemembered >> count)
+        remembered_ = std::make_unique<std::atomic<std::uint16_t>[]>(steps_.size() << count);
 }
 
 // tours_[open][first] = steps that the other open goals take after `first`, one after another in the best order. A
@@ -128,18 +130,33 @@ void TeamTables::find_tours(const Task& task, const std::vector<Distance>& dista
 
 GoalProgress TeamTables::toward_goals(OperatorId step, const OpenGoals& open) const {
     if (open.num_open() == 0) return {Progress::kNoTarget, Progress::kNoTarget, Progress::kNoTarget};
+    if (!remembered_) return look_toward_goals(step, open);
+    auto& remembered = remembered_[open.bits() * steps_.size() + static_cast<std::size_t>(step)];
+    const unsigned code = remembered.load(std::memory_order_relaxed);
+    if (code != 0) {
+        return {static_cast<Progress>(code & 15), static_cast<Progress>(code >> 4 & 15),
+                static_cast<Progress>(code >> 8 & 15)};
+    }
+    const GoalProgress progress = look_toward_goals(step, open);
+    remembered.store(static_cast<std::uint16_t>(1u << 12 | static_cast<unsigned>(progress.mission) << 8 |
+                                                static_cast<unsigned>(progress.own) << 4 |
+                                                static_cast<unsigned>(progress.mental)),
+                     std::memory_order_relaxed);
+    return progress;
+}
+
+GoalProgress TeamTables::look_toward_goals(OperatorId step, const OpenGoals& open) const {
     for (const auto goal : achieves[step])
         if (open.is_open(goal)) return {Progress::kDone, Progress::kDone, Progress::kDone};
     const Distance* const closed = open.closed();
     const auto nearest = [closed, width = width_](const Distance* distance) {
-        Distance least = kNoWay;
+        Lanes least(kNoWay);
         for (std::size_t goal = 0; goal < width; goal += kLanes)
-            for (std::size_t lane = goal; lane < goal + kLanes; ++lane)
-                least = std::min(least, static_cast<Distance>(distance[lane] | closed[lane]));
-        return least;
+            least = least.min(Lanes(distance + goal) | Lanes(closed + goal));
+        return least.least();
     };
-    const auto* const from = row(from_[step], Model::kMental);
-    const auto* const to = row(to_[step], Model::kMental);
+    const auto* const from = row((*this)[step].from, Model::kMental);
+    const auto* const to = row((*this)[step].to, Model::kMental);
     GoalProgress progress{};
     progress.mental = judge(nearest(from), nearest(to));
     progress.own = judge(nearest(from + width_), nearest(to + width_));
@@ -149,13 +166,13 @@ GoalProgress TeamTables::toward_goals(OperatorId step, const OpenGoals& open) co
     }
     const Distance* const tours = tours_.data() + open.bits() * width_;
     const auto finish = [closed, tours, width = width_](const Distance* distance) {
-        int least = kNoWay;
-        for (std::size_t goal = 0; goal < width; goal += kLanes)
-            for (std::size_t lane = goal; lane < goal + kLanes; ++lane) {
-                const int here = distance[lane] | closed[lane];
-                least = std::min(least, here == kNoWay ? kNoWay : std::min(here + tours[lane], kNoWay - 1));
-            }
-        return static_cast<Distance>(least);
+        const Lanes no_way(kNoWay), longest(kNoWay - 1);
+        Lanes least(no_way);
+        for (std::size_t goal = 0; goal < width; goal += kLanes) {
+            const Lanes here = Lanes(distance + goal) | Lanes(closed + goal);
+            least = least.min(here.plus(Lanes(tours + goal)).min(longest) | here.where_equal(no_way));
+        }
+        return least.least();
     };
     progress.mission = judge(finish(from), finish(to));
     return progress;

@@ -13,117 +13,12 @@
 namespace explicable {
 namespace {
 
-constexpr double kImpossible = -std::numeric_limits<double>::infinity();
-
 void read_goals(const Task& task, const TeamTables& tables, const State& state, OpenGoals& goals) {
     for (std::size_t goal = 0; goal < tables.goals.size(); ++goal)
         if (state.holds(task, tables.goals[goal])) goals.close(goal);
 }
 
-bool any(const std::vector<double>& weights) {
-    return std::ranges::any_of(weights, [](double weight) { return weight != 0; });
-}
-
 }  // namespace
-
-FeatureWeights::FeatureWeights(int num_schemas, std::size_t max_arity) {
-    const auto schemas = static_cast<std::size_t>(num_schemas), neighbours = schemas + 1;  // or nothing
-    const std::size_t arguments = std::min(max_arity, kMaxArguments);
-    const std::size_t progress = kNumProgress, beside = kNumNeighbours;
-    dimensions_ = {
-        {schemas},                                    // step
-        {schemas, neighbours},                        // after
-        {schemas, neighbours},                        // before
-        {schemas, schemas, arguments, arguments},     // same as after
-        {schemas, schemas, arguments, arguments},     // same as before
-        {schemas, schemas, arguments, arguments},     // same as the last human step
-        {schemas},                                    // undoes
-        {schemas},                                    // returns
-        {schemas},                                    // unbelieved
-        {schemas, progress},                          // request, mental
-        {schemas, progress},                          // request, own
-        {schemas, progress},                          // nearest goal, mental
-        {schemas, progress},                          // nearest goal, own
-        {schemas, progress},                          // mission
-        {progress, progress},                         // request, mental and own
-        {progress, progress},                         // request and mission
-        {progress, beside},                           // trend
-        {progress, beside},                           // outlook
-    };
-    if (schemas > 1000) throw std::length_error("more than 1000 action schemas");
-    for (const auto& sizes : dimensions_) {
-        std::size_t size = 1;
-        for (const auto dimension : sizes) size *= dimension;
-        tables_.emplace_back(size);
-    }
-}
-
-void FeatureWeights::set(int feature_template, std::span<const std::int32_t> values, double weight) {
-    if (feature_template < 0 || feature_template >= kNumTemplates) throw std::invalid_argument("no such template");
-    const auto& sizes = dimensions_[static_cast<std::size_t>(feature_template)];
-    if (values.size() < sizes.size()) throw std::invalid_argument("a feature has too few values");
-    if (!std::isfinite(weight)) throw std::invalid_argument("a weight is not finite");
-    std::size_t index = 0;
-    for (std::size_t i = 0; i < sizes.size(); ++i) {
-        if (values[i] < 0 || static_cast<std::size_t>(values[i]) >= sizes[i])
-            throw std::invalid_argument("a value of a feature is out of range");
-        index = index * sizes[i] + static_cast<std::size_t>(values[i]);
-    }
-    tables_[static_cast<std::size_t>(feature_template)][index] = weight;
-}
-
-Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const FeatureWeights& weights,
-               std::vector<double> own, Transitions transitions, bool expected)
-    : task_(task),
-      tables_(std::move(tables)),
-      after_(weights.of(Template::kAfter)),
-      before_(weights.of(Template::kBefore)),
-      same_after_(weights.of(Template::kSameAfter)),
-      same_before_(weights.of(Template::kSameBefore)),
-      same_human_(weights.of(Template::kSameHuman)),
-      undoes_(weights.of(Template::kUndoes)),
-      returns_(weights.of(Template::kReturns)),
-      unbelieved_(weights.of(Template::kUnbelieved)),
-      own_(std::move(own)),
-      request_mission_(weights.of(Template::kRequestMission)),
-      trend_(weights.of(Template::kTrend)),
-      outlook_(weights.of(Template::kOutlook)),
-      transitions_(transitions),
-      factors_(),
-      num_schemas_(static_cast<std::size_t>(tables_->num_schemas)),
-      expected_(expected),
-      uses_returns_(any(returns_)),
-      uses_human_(any(same_human_)) {
-    constexpr std::size_t n = kNumProgress;
-    for (std::size_t schema = 0; schema < num_schemas_; ++schema) {
-        for (std::size_t last = 0; last <= num_schemas_; ++last)
-            after_[schema * (num_schemas_ + 1) + last] += weights.of(Template::kStep)[schema];
-        for (std::size_t mental = 0; mental < n; ++mental) {
-            for (std::size_t own = 0; own < n; ++own) {
-                request_.push_back(weights.of(Template::kRequestMental)[schema * n + mental] +
-                                   weights.of(Template::kRequestOwn)[schema * n + own] +
-                                   weights.of(Template::kRequestModels)[mental * n + own]);
-                for (std::size_t mission = 0; mission < n; ++mission)
-                    goals_.push_back(weights.of(Template::kGoalMental)[schema * n + mental] +
-                                     weights.of(Template::kGoalOwn)[schema * n + own] +
-                                     weights.of(Template::kMission)[schema * n + mission]);
-            }
-        }
-    }
-    if (!own_.empty() && own_.size() != static_cast<std::size_t>(tables_->num_operators()))
-        throw std::invalid_argument("one score an operator is needed, or none");
-    if (!std::ranges::all_of(own_, [](double score) { return std::isfinite(score); }))
-        throw std::invalid_argument("a score is not finite");
-    double largest = kImpossible;
-    for (const auto& row : transitions)
-        for (const auto transition : row) {
-            if (!(std::abs(transition) <= 300)) throw std::invalid_argument("a transition weight is beyond 300");
-            largest = std::max(largest, transition);
-        }
-    for (std::size_t i = 0; i < 2; ++i)
-        for (std::size_t j = 0; j < 2; ++j) factors_[i][j] = std::exp(transitions[i][j] - largest);
-    find_bounds();
-}
 
 std::size_t Scorer::context_size() const { return sizeof(Context); }
 
@@ -136,10 +31,10 @@ void Scorer::extend(const std::byte* parent, OperatorId step, const State& befor
                     std::byte* child) const {
     Context context;
     std::memcpy(&context, parent, sizeof context);
-    if (tables_->schema[step] >= 0) {
+    if ((*tables_)[step].schema >= 0) {
         OpenGoals goals(tables_->goals.size());
         read_goals(task_, *tables_, before, goals);
-        advance(context, step, goals);
+        advance(context, context.chain, step, goals);
         // A request whose fact is gone has been withdrawn.
         auto& situation = context.situation;
         std::int32_t kept = 0;
@@ -151,32 +46,46 @@ void Scorer::extend(const std::byte* parent, OperatorId step, const State& befor
     std::memcpy(child, &context, sizeof context);
 }
 
-PathScore Scorer::score(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) const {
-    Context context;
-    std::memcpy(&context, node, sizeof context);
+// Takes in a relaxed plan; makes the features of the last step final.
+template <class Labels>
+void Scorer::walk(Context& context, Labels& labels, const State& state, std::span<const OperatorId> relaxed_plan) const {
     if (!relaxed_plan.empty()) {
         OpenGoals goals(tables_->goals.size());
         read_goals(task_, *tables_, state, goals);
         for (const auto step : relaxed_plan) {
-            if (tables_->schema[step] < 0) continue;
-            advance(context, step, goals);
+            if ((*tables_)[step].schema < 0) continue;
+            advance(context, labels, step, goals);
+            if (!(*tables_)[step].achieves) continue;
             for (const auto goal : tables_->achieves[step]) goals.close(static_cast<std::size_t>(goal));
         }
     }
-    if (context.num_steps == 0) return {0, 0, 0};
+    if (context.num_steps == 0) return;
     const auto& situation = context.situation;
     const bool human = is_human(situation.last);
-    const double last = human ? 0 : context.pending + look_ahead(situation, -1, kNothing);
-    append(context.chain, human, last);
+    append(labels, human, human ? 0 : context.pending + look_ahead(situation, -1, kNothing));
+}
+
+PathScore Scorer::score(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) const {
+    Context context = read(node);
+    walk(context, context.chain, state, relaxed_plan);
+    if (context.num_steps == 0) return {0, 0, 0};
     const auto& chain = context.chain;
-    if (!expected_) {
-        const auto best = static_cast<std::size_t>(chain.odds > 0);
-        return {chain.count[best], 0, context.num_steps};
-    }
-    const double p = chain.odds, mean = (1 - p) * chain.count[0] + p * chain.count[1];
-    const double spread = chain.count[1] - chain.count[0];
+    if (!expected_) return {chain.count[static_cast<std::size_t>(chain.odds > 0)], 0, context.num_steps};
+    const double p = chain.odds, spread = chain.count[1] - chain.count[0];
     const double variance = (1 - p) * chain.variance[0] + p * chain.variance[1] + p * (1 - p) * spread * spread;
-    return {mean, variance, context.num_steps};
+    return {count(node, state, relaxed_plan), variance, context.num_steps};
+}
+
+double Scorer::count(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) const {
+    if (!expected_) return score(node, state, relaxed_plan).num_inexplicable;
+    Context context = read(node);
+    const auto& chain = context.chain;
+    Tally tally{{1 - chain.odds, chain.odds},
+                {(1 - chain.odds) * chain.count[0], chain.odds * chain.count[1]},
+                chain.is_empty};
+    walk(context, tally, state, relaxed_plan);
+    if (context.num_steps == 0) return 0;
+    return (tally.moment[0] + tally.moment[1]) / (tally.weight[0] + tally.weight[1]);
 }
 
 std::uint64_t Scorer::closing_key(const std::byte* node) const { return situation_key(read(node)); }
@@ -211,13 +120,16 @@ bool Scorer::is_sound(std::span<const std::byte> bytes) const {
 void Scorer::start_at(std::span<const std::byte> context) { std::memcpy(&start_, context.data(), sizeof start_); }
 
 // Makes the features of the last step final, now that the next is known, and takes in the next.
-void Scorer::advance(Context& context, OperatorId step, const OpenGoals& goals) const {
+template <class Labels>
+void Scorer::advance(Context& context, Labels& labels, OperatorId step, const OpenGoals& goals) const {
     auto& situation = context.situation;
     int neighbour = kHumanStep;
-    const double score = is_human(step) ? 0 : step_score(situation, step, goals, neighbour);
+    double score = is_human(step) ? 0 : step_score(situation, step, goals, neighbour);
     if (context.num_steps > 0) {
         const bool human = is_human(situation.last);
-        append(context.chain, human, human ? 0 : context.pending + look_ahead(situation, step, neighbour));
+        const Equalities equal = equalities(step, situation.last);
+        append(labels, human, human ? 0 : context.pending + look_ahead(situation, step, neighbour, equal.of_last));
+        score += equal.of_step;
     }
     context.pending = score;
     ++context.num_steps;
@@ -226,17 +138,16 @@ void Scorer::advance(Context& context, OperatorId step, const OpenGoals& goals) 
 
 double Scorer::step_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const {
     const auto& tables = *tables_;
-    const auto me = static_cast<std::size_t>(tables.schema[step]);
+    const auto me = static_cast<std::size_t>(tables[step].schema);
     double score = after_[me * (num_schemas_ + 1) + schema_of(situation.last)];
-    if (situation.last >= 0) score += equality_score(same_after_, step, situation.last);
-    if (uses_human_ && situation.last_human >= 0) score += equality_score(same_human_, step, situation.last_human);
+    if (uses_human_ && situation.last_human >= 0) score += equality_with_human(step, situation.last_human);
     const auto& recent = situation.robot_steps;
     const auto takes_back = [&](OperatorId earlier) { return tables.takes_back(step, earlier); };
     if (takes_back(recent[0]))
         score += undoes_[me];
     else if (uses_returns_ && std::any_of(recent.begin() + 1, recent.end(), takes_back))
         score += returns_[me];
-    if (!tables.in_mental[step]) score += unbelieved_[me];
+    if (!tables[step].in_mental) score += unbelieved_[me];
     if (!own_.empty()) score += own_[static_cast<std::size_t>(step)];
 
     auto request = tables.toward_request(step, situation.request());
@@ -255,28 +166,46 @@ double Scorer::step_score(const Situation& situation, OperatorId step, const Ope
 }
 
 bool Scorer::fulfils_open(const Situation& situation, OperatorId step) const {
+    if (situation.num_open == 0 || !(*tables_)[step].fulfils) return false;
     const auto open = std::span(situation.open).first(static_cast<std::size_t>(situation.num_open));
     for (const auto request : tables_->fulfils[step])
         if (std::ranges::find(open, request) != open.end()) return true;
     return false;
 }
 
-// A feature for every argument of `step` that equals an argument of `other`.
-double Scorer::equality_score(const std::vector<double>& weights, OperatorId step, OperatorId other) const {
-    const auto count = std::min(tables_->max_arity, kMaxArguments);
-    const double* const pairs = weights.data() + (schema_of(step) * num_schemas_ + schema_of(other)) * count * count;
-    double score = 0;
-    for (auto equal = tables_->equal_arguments(step, other); equal != 0; equal &= equal - 1) {
+// A feature for every argument of `step` that equals an argument of the last step; and for the last step, which sees the same.
+Scorer::Equalities Scorer::equalities(OperatorId step, OperatorId last) const {
+    Equalities sum;
+    const std::size_t schemas = schema_of(step) * num_schemas_ + schema_of(last);
+    if (!may_share_[schemas]) return sum;
+    const Equalities* const pairs = same_.data() + schemas * num_compared_ * num_compared_;
+    for (auto equal = tables_->equal_arguments(step, last); equal != 0; equal &= equal - 1) {
         const auto bit = static_cast<std::size_t>(std::countr_zero(equal));
-        score += pairs[bit / kMaxArguments * count + bit % kMaxArguments];
+        const Equalities& weight = pairs[bit / kMaxArguments * num_compared_ + bit % kMaxArguments];
+        sum.of_step += weight.of_step;
+        sum.of_last += weight.of_last;
+    }
+    return sum;
+}
+
+double Scorer::equality_with_human(OperatorId step, OperatorId human) const {
+    const double* const pairs =
+        same_human_.data() + (schema_of(step) * num_schemas_ + schema_of(human)) * num_compared_ * num_compared_;
+    double score = 0;
+    for (auto equal = tables_->equal_arguments(step, human); equal != 0; equal &= equal - 1) {
+        const auto bit = static_cast<std::size_t>(std::countr_zero(equal));
+        score += pairs[bit / kMaxArguments * num_compared_ + bit % kMaxArguments];
     }
     return score;
 }
 
 // The features of the last step, a robot's, that see the step after it.
 double Scorer::look_ahead(const Situation& situation, OperatorId next, int neighbour) const {
-    return before_[schema_of(situation.last) * (num_schemas_ + 1) + schema_of(next)] +
-           (next < 0 ? 0 : equality_score(same_before_, situation.last, next)) +
+    return look_ahead(situation, next, neighbour, next < 0 ? 0 : equalities(next, situation.last).of_last);
+}
+
+double Scorer::look_ahead(const Situation& situation, OperatorId next, int neighbour, double equal) const {
+    return before_[schema_of(situation.last) * (num_schemas_ + 1) + schema_of(next)] + equal +
            outlook_[static_cast<std::size_t>(situation.neighbour) * kNumNeighbours + static_cast<std::size_t>(neighbour)];
 }
 
@@ -294,7 +223,8 @@ void Scorer::remember(Situation& situation, OperatorId step, int neighbour) cons
     if (!is_human(step)) {
         std::shift_right(situation.robot_steps.begin(), situation.robot_steps.end(), 1);
         situation.robot_steps[0] = step;
-        for (const auto request : tables_->fulfils[step]) close(request);
+        if (count > 0 && (*tables_)[step].fulfils)
+            for (const auto request : tables_->fulfils[step]) close(request);
         return;
     }
     situation.last_human = step;
@@ -306,59 +236,6 @@ void Scorer::remember(Situation& situation, OperatorId step, int neighbour) cons
         --count;
     }
     open[static_cast<std::size_t>(count++)] = request;
-}
-
-void Scorer::append(Chain& chain, bool is_human, double score) const {
-    if (expected_)
-        append_expected(chain, is_human, score);
-    else
-        append_best(chain, is_human, score);
-    chain.is_empty = false;
-}
-
-// Viterbi's step; ties go to "explicable", the first label.
-void Scorer::append_best(Chain& chain, bool is_human, double score) const {
-    std::array<double, 2> best{0, score};
-    std::array<double, 2> count{0, 1};
-    if (!chain.is_empty) {
-        for (std::size_t j = 0; j < 2; ++j) {
-            const double from_explicable = transitions_[0][j], from_other = chain.odds + transitions_[1][j];
-            const auto before = static_cast<std::size_t>(from_other > from_explicable);
-            best[j] += before == 0 ? from_explicable : from_other;
-            count[j] += chain.count[before];
-        }
-    }
-    chain.odds = is_human ? kImpossible : best[1] - best[0];
-    chain.count = {count[0], is_human ? count[0] : count[1]};
-}
-
-// The forward pass, with mean and variance of the number of inexplicable steps given the label of the last.
-void Scorer::append_expected(Chain& chain, bool is_human, double score) const {
-    std::array<double, 2> weight{1, 1};
-    std::array<double, 2> mean{0, 1}, variance{0, 0};
-    if (!chain.is_empty) {
-        const std::array<double, 2> before{1 - chain.odds, chain.odds};
-        for (std::size_t j = 0; j < 2; ++j) {
-            const double other = before[1] * factors_[1][j];
-            weight[j] = before[0] * factors_[0][j] + other;
-            const double share = weight[j] > 0 ? other / weight[j] : 0;
-            const double spread = chain.count[1] - chain.count[0];
-            mean[j] += chain.count[0] + share * spread;
-            variance[j] = chain.variance[0] + share * (chain.variance[1] - chain.variance[0]) +
-                          share * (1 - share) * spread * spread;
-        }
-    }
-    if (is_human) {
-        chain.odds = 0;
-        chain.count = {mean[0], mean[0]};
-        chain.variance = {variance[0], variance[0]};
-        return;
-    }
-    // The larger factor is 1, so that nothing overflows.
-    weight[score > 0 ? 0 : 1] *= std::exp(-std::abs(score));
-    chain.odds = weight[1] / (weight[0] + weight[1]);
-    chain.count = mean;
-    chain.variance = variance;
 }
 
 }  // namespace explicable

@@ -93,6 +93,7 @@ public:
                 std::byte* context) const override;
     PathScore score(const std::byte* context, const State& state,
                     std::span<const OperatorId> relaxed_plan) const override;
+    double count(const std::byte* context, const State& state, std::span<const OperatorId> relaxed_plan) const override;
     std::uint64_t closing_key(const std::byte* context) const override;
     double lead(const std::byte* a, const std::byte* b, const State& state) const override;
     bool has_bounds() const override { return true; }
@@ -122,6 +123,16 @@ private:
         std::array<double, 2> variance{};
         bool is_empty = true;
     };
+    // The same without variances and without a division a step: the weight of each label of the last step, and that weight
+    // times the expected count. Of both only the ratio counts, so they may be scaled together.
+    struct Tally {
+        std::array<double, 2> weight{1, 0}, moment{};
+        bool is_empty = true;
+    };
+    // What the equal arguments of a step and the step before add to the scores of the two.
+    struct Equalities {
+        double of_step = 0, of_last = 0;
+    };
     struct Context {
         Situation situation;
         Chain chain;         // all steps but the last
@@ -134,6 +145,7 @@ private:
         return context;
     }
     std::uint64_t situation_key(const Context& context) const;
+    void share_arguments(const std::vector<double>& after, const std::vector<double>& before);
     void find_bounds();
     double from_right(double z) const;
     Span from_last(const Context& context) const;
@@ -142,27 +154,36 @@ private:
     double lead_best(const Chain& a, const Chain& b, const Span& right) const;
     Span look_ahead_span(const Situation& situation) const;
     double effect_of_history(const Situation& a, const Situation& b) const;
-    void advance(Context& context, OperatorId step, const OpenGoals& goals) const;
-    // What a robot's step scores but for its look-ahead; `neighbour` is how the steps beside it see it.
+    template <class Labels>
+    void advance(Context& context, Labels& labels, OperatorId step, const OpenGoals& goals) const;
+    template <class Labels>
+    void walk(Context& context, Labels& labels, const State& state, std::span<const OperatorId> relaxed_plan) const;
+    // What a robot's step scores but for what it shares with the last, and for its look-ahead; `neighbour` is how the steps
+    // beside it see it.
     double step_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const;
-    double equality_score(const std::vector<double>& weights, OperatorId step, OperatorId other) const;
+    Equalities equalities(OperatorId step, OperatorId last) const;
+    double equality_with_human(OperatorId step, OperatorId human) const;
     double look_ahead(const Situation& situation, OperatorId next, int neighbour) const;
+    double look_ahead(const Situation& situation, OperatorId next, int neighbour, double equal) const;
     bool fulfils_open(const Situation& situation, OperatorId step) const;
     void remember(Situation& situation, OperatorId step, int neighbour) const;
     void append(Chain& chain, bool is_human, double score) const;
     void append_best(Chain& chain, bool is_human, double score) const;
     void append_expected(Chain& chain, bool is_human, double score) const;
-    bool is_human(OperatorId step) const { return tables_->is_human[static_cast<std::size_t>(step)] != 0; }
+    void append(Tally& tally, bool is_human, double score) const;
+    bool is_human(OperatorId step) const { return (*tables_)[step].is_human; }
     std::size_t schema_of(OperatorId step) const {
-        return step < 0 ? num_schemas_ : static_cast<std::size_t>(tables_->schema[step]);
+        return step < 0 ? num_schemas_ : static_cast<std::size_t>((*tables_)[step].schema);
     }
 
     Context start_;
     const Task& task_;
     std::shared_ptr<const TeamTables> tables_;
     // Weights, those that are always added together summed up beforehand; the index begins with the schema.
-    std::vector<double> after_, before_;                       // schema of the step beside, or none
-    std::vector<double> same_after_, same_before_, same_human_;  // schema of the other step, pair of arguments
+    std::vector<double> after_, before_;   // schema of the step beside, or none
+    std::vector<Equalities> same_;     // schema of the step before, pair of arguments
+    std::vector<double> same_human_;   // schema of the last human step, pair of arguments
+    std::vector<std::uint8_t> may_share_;  // schema of the step before: whether any of `same_` is not 0
     std::vector<double> undoes_, returns_, unbelieved_;
     std::vector<double> own_;              // operator; empty if no operator has a score of its own
     std::vector<double> request_;          // progress in both models
@@ -171,7 +192,7 @@ private:
     std::vector<double> trend_, outlook_;  // progress, what stands beside
     Transitions transitions_;
     Transitions factors_;  // exp of the transitions, the largest scaled to 1
-    std::size_t num_schemas_;
+    std::size_t num_schemas_, num_compared_;  // arguments
     bool expected_, uses_returns_, uses_human_;
     // What neighbours can say, in log odds of "inexplicable": the label before a step; the label after it, of a robot's step
     // and of a human's, which is always explicable.

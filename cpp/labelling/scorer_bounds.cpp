@@ -31,14 +31,14 @@ void Scorer::find_bounds() {
         returns_least_ = std::min(returns_least_, weight);
         returns_effect_ = std::max(returns_effect_, std::abs(weight));
     }
-    const auto pairs = same_before_.size() / std::max<std::size_t>(num_schemas_ * num_schemas_, 1);
+    const std::size_t pairs = num_compared_ * num_compared_;
     for (std::size_t schema = 0; schema < num_schemas_; ++schema) {
         const double* const before = before_.data() + schema * (num_schemas_ + 1);
         Span span{before[num_schemas_], before[num_schemas_]};
         for (std::size_t next = 0; next < num_schemas_; ++next) {
             Span equalities{before[next], before[next]};
             for (std::size_t pair = 0; pair < pairs; ++pair) {
-                const double weight = same_before_[(schema * num_schemas_ + next) * pairs + pair];
+                const double weight = same_[(next * num_schemas_ + schema) * pairs + pair].of_last;
                 (weight < 0 ? equalities.least : equalities.greatest) += weight;
             }
             span.cover(equalities.least);
@@ -103,7 +103,7 @@ double Scorer::least_inexplicable(const Context& context, double look_ahead, dou
 }
 
 double Scorer::least_growth(const std::byte* parent, OperatorId step, const std::byte* child) const {
-    if (tables_->schema[step] < 0) return 0;
+    if ((*tables_)[step].schema < 0) return 0;
     const Context before = read(parent), after = read(child);
     if (before.num_steps == 0 || is_human(before.situation.last)) return 0;
     double heard = from_human_;

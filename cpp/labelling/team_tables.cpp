@@ -29,15 +29,6 @@ std::vector<std::uint8_t> human_operators(const Task& task, const std::vector<st
     return flags;
 }
 
-template <std::size_t count>
-std::uint64_t compare(const std::int32_t* mine, const std::int32_t* theirs) {
-    std::uint64_t equal = 0;
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t j = 0; j < count; ++j)
-            equal |= std::uint64_t{mine[i] == theirs[j] && mine[i] >= 0} << (i * kMaxArguments + j);
-    return equal;
-}
-
 std::uint64_t mask_of(std::span<const FactId> facts) {
     std::uint64_t mask = 0;
     for (const auto fact : facts) mask |= std::uint64_t{1} << (fact & 63);
@@ -61,24 +52,23 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
                 throw std::invalid_argument("an object has no name");
         max_arity = std::max(max_arity, composite.operator_arguments[op].size());
     }
-    schema = composite.operator_schema;
     deletes_ = composite.deletes;
-    is_human = human_operators(composite, human_objects);
-    if (max_arity > compared_) compared_ = kMaxArguments;
-    arguments_.assign(static_cast<std::size_t>(num_operators) * compared_, -1);
-
+    const auto human = human_operators(composite, human_objects);
     TaskIndex in_mental_task(mental);
     std::vector<std::int32_t> translated;
     for (OperatorId op = 0; op < num_operators; ++op) {
         const auto objects = composite.operator_arguments[op];
-        std::ranges::copy(objects.first(std::min(objects.size(), compared_)),
-                          arguments_.begin() + static_cast<std::ptrdiff_t>(op) * static_cast<std::ptrdiff_t>(compared_));
-        const auto head = schema[op] < 0 ? -1 : names.schema[schema[op]];
-        in_mental.push_back(head >= 0 && translate(objects, names.object, translated) &&
-                            !in_mental_task.find_operators(head, translated).empty());
+        const auto schema = composite.operator_schema[op], head = schema < 0 ? -1 : names.schema[schema];
         adds_.push_back(all_adds(composite, op));
-        adds_mask_.push_back(mask_of(adds_[op]));
-        deletes_mask_.push_back(mask_of(deletes_[op]));
+        TeamStep step;
+        step.schema = schema;
+        step.is_human = human[op] != 0;
+        step.in_mental = head >= 0 && translate(objects, names.object, translated) &&
+                         !in_mental_task.find_operators(head, translated).empty();
+        step.adds = mask_of(adds_[op]);
+        step.deletes = mask_of(deletes_[op]);
+        std::ranges::copy(objects.first(std::min(objects.size(), kMaxArguments)), step.arguments.begin());
+        steps_.push_back(step);
     }
 
     std::vector<FactId> mental_fact;
@@ -105,7 +95,7 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
         if (static_cast<std::size_t>(theirs) >= mental_objects.size()) mental_objects.resize(theirs + 1);
         mental_objects[theirs] = human_objects[object];
     }
-    const Measure measure(composite, mental, std::move(mental_fact), is_human, human_operators(mental, mental_objects));
+    const Measure measure(composite, mental, std::move(mental_fact), human, human_operators(mental, mental_objects));
     measure_requests(measure);
     measure_goals(measure);
 }
@@ -116,7 +106,7 @@ void TeamTables::find_requests(const Task& task) {
     std::vector<bool> needed(static_cast<std::size_t>(task.num_facts())), shared(needed);
     std::vector<OperatorId> first_adder(static_cast<std::size_t>(task.num_facts()), -1);
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
-        if (!is_human[op]) {
+        if (!steps_[op].is_human) {
             for (const auto fact : task.preconditions[op]) needed[fact] = true;
             continue;
         }
@@ -133,7 +123,7 @@ void TeamTables::find_requests(const Task& task) {
     std::vector<std::vector<std::int32_t>> requests_of_fact(static_cast<std::size_t>(task.num_facts()));
     asks_for.assign(static_cast<std::size_t>(task.num_operators()), -1);
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
-        if (!is_human[op]) continue;
+        if (!steps_[op].is_human) continue;
         std::vector<FactId> facts;
         std::ranges::copy_if(task.adds[op], std::back_inserter(facts), is_asked_for);
         if (facts.empty()) continue;
@@ -145,10 +135,11 @@ void TeamTables::find_requests(const Task& task) {
     }
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
         std::set<std::int32_t> fulfilled;
-        if (!is_human[op])
+        if (!steps_[op].is_human)
             for (const auto fact : task.preconditions[op])
                 fulfilled.insert(requests_of_fact[fact].begin(), requests_of_fact[fact].end());
         fulfils.push_back(fulfilled);
+        steps_[op].fulfils = !fulfilled.empty();
     }
 }
 
@@ -165,18 +156,12 @@ void TeamTables::find_goals(const Task& task) {
         for (const auto fact : all_adds(task, op))
             if (goal_of_fact[fact] >= 0) achieved.push_back(goal_of_fact[fact]);
         achieves.push_back(achieved);
+        steps_[op].achieves = !achieved.empty();
     }
 }
 
-bool TeamTables::takes_back(OperatorId step, OperatorId earlier) const {
-    return earlier >= 0 && adds_mask_[step] != 0 && (adds_mask_[step] & ~deletes_mask_[earlier]) == 0 &&
-           std::ranges::includes(deletes_[earlier], adds_[step]);
-}
-
-std::uint64_t TeamTables::equal_arguments(OperatorId step, OperatorId other) const {
-    const auto* const mine = arguments_.data() + static_cast<std::size_t>(step) * compared_;
-    const auto* const theirs = arguments_.data() + static_cast<std::size_t>(other) * compared_;
-    return compared_ == 4 ? compare<4>(mine, theirs) : compare<kMaxArguments>(mine, theirs);
+bool TeamTables::surely_takes_back(OperatorId step, OperatorId earlier) const {
+    return std::ranges::includes(deletes_[earlier], adds_[step]);
 }
 
 }  // namespace explicable

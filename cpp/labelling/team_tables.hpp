@@ -3,10 +3,13 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "labelling/lanes.hpp"
 #include "task/state.hpp"
 #include "task/task.hpp"
 
@@ -44,7 +47,7 @@ struct MentalNames {
 class OpenGoals {
 public:
     explicit OpenGoals(std::size_t num_goals) : count_(num_goals), num_open_(num_goals) {
-        if (num_goals > few_.size()) many_.resize(num_goals + 8);  // read in lanes
+        if (num_goals > few_.size()) many_.resize(num_goals + kLanes);  // read in lanes
         if (num_goals <= kMaxTourGoals) bits_ = (std::uint32_t{1} << num_goals) - 1;
     }
     OpenGoals(const OpenGoals&) = delete;
@@ -81,6 +84,18 @@ struct RequestProgress {
     Progress mental, own;
 };
 
+// What most features ask of an operator, in one cache line.
+struct alignas(64) TeamStep {
+    std::int32_t schema = -1;  // negative: auxiliary
+    bool is_human = false;
+    bool in_mental = false;  // the mental task has it
+    bool fulfils = false;    // some request
+    bool achieves = false;   // some goal
+    std::int32_t from = 0, to = 0;       // places
+    std::uint64_t adds = 0, deletes = 0;  // a bit for each fact, shared by many
+    std::array<std::int32_t, kMaxArguments> arguments{-1, -1, -1, -1, -1, -1, -1, -1};
+};
+
 class TeamTables {
 public:
     // `goal`: facts of the composite task; `is_human`: one flag an object of it. Throws std::invalid_argument if sizes
@@ -90,7 +105,8 @@ public:
 
     static constexpr std::size_t kMaxEntries = std::size_t{1} << 28;
 
-    std::int32_t num_operators() const { return static_cast<std::int32_t>(schema.size()); }
+    std::int32_t num_operators() const { return static_cast<std::int32_t>(steps_.size()); }
+    const TeamStep& operator[](OperatorId step) const { return steps_[static_cast<std::size_t>(step)]; }
     int num_requests() const { return request_facts.size(); }
     // A request stands until all its facts are gone.
     bool stands(const Task& task, const State& state, std::int32_t request) const;
@@ -104,13 +120,18 @@ public:
     }
     GoalProgress toward_goals(OperatorId step, const OpenGoals& goals) const;
     // Whether an earlier step, or -1 for none, had deleted all that `step` adds.
-    bool takes_back(OperatorId step, OperatorId earlier) const;
+    bool takes_back(OperatorId step, OperatorId earlier) const {
+        if (earlier < 0) return false;
+        const auto adds = (*this)[step].adds;
+        return adds != 0 && (adds & ~(*this)[earlier].deletes) == 0 && surely_takes_back(step, earlier);
+    }
     // Bit kMaxArguments * i + j: argument i of `step` is argument j of `other`.
-    std::uint64_t equal_arguments(OperatorId step, OperatorId other) const;
+    std::uint64_t equal_arguments(OperatorId step, OperatorId other) const {
+        const auto* const mine = (*this)[step].arguments.data();
+        const auto* const theirs = (*this)[other].arguments.data();
+        return max_arity <= 4 ? equal_fours(mine, theirs) : equal_eights(mine, theirs);
+    }
 
-    std::vector<std::int32_t> schema;     // of an operator; negative: auxiliary
-    std::vector<std::uint8_t> is_human;   // the operator is a human's
-    std::vector<std::uint8_t> in_mental;  // the mental task has it
     int num_schemas = 0;
     std::size_t max_arity = 0;
     Table<FactId> request_facts;          // what a request adds
@@ -120,6 +141,8 @@ public:
     Table<std::int32_t> achieves;  // goals that an operator adds
 
 private:
+    bool surely_takes_back(OperatorId step, OperatorId earlier) const;
+    GoalProgress look_toward_goals(OperatorId step, const OpenGoals& goals) const;
     void find_requests(const Task& task);
     void find_goals(const Task& task);
     void measure_requests(const class Measure& measure);
@@ -131,18 +154,15 @@ private:
     }
 
     std::vector<std::uint8_t> toward_request_;  // operator x request: both kinds of progress
-    // The arguments that are compared: four or kMaxArguments an operator, -1 where it has fewer.
-    std::vector<std::int32_t> arguments_;
-    std::size_t compared_ = 4;
-    // Goals are padded to a multiple of kLanes, by goals to which there is no way.
-    static constexpr std::size_t kLanes = 8;
-    std::size_t width_ = 0;
+    std::vector<TeamStep> steps_;
+    std::size_t width_ = 0;  // number of goals, padded to a multiple of kLanes by goals to which there is no way
     // A place is a set of facts, as far from a goal as the nearest of them. A step leads from a place to a place.
-    std::vector<std::int32_t> from_, to_;
     std::vector<Distance> distances_;  // place x model x goal
     std::vector<Distance> tours_;  // open goals (bits) x first goal: steps for the others, in the best order
     Table<FactId> adds_, deletes_;
-    std::vector<std::uint64_t> adds_mask_, deletes_mask_;  // a bit for each fact, shared by many
+    // What toward_goals() has answered, by open goals (bits) and step; 0: not asked yet. Whoever writes writes the same.
+    static constexpr std::size_t kMaxRemembered = std::size_t{1} << 23;
+    std::unique_ptr<std::atomic<std::uint16_t>[]> remembered_;
 };
 
 }  // namespace explicable

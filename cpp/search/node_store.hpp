@@ -46,7 +46,7 @@ public:
 
     // Inexplicable steps among the path to `node` and `relaxed_plan` from it.
     double count(NodeId node, const State& state, std::span<const OperatorId> relaxed_plan) const {
-        return scorer_->score(contexts_.row(node), state, relaxed_plan).num_inexplicable;
+        return scorer_->count(contexts_.row(node), state, relaxed_plan);
     }
     // Of the path to `node` alone; kept with context closing only.
     double path_count(NodeId node) const { return rivals_[node].count; }

@@ -27,6 +27,10 @@ public:
                         std::byte* context) const = 0;
     virtual PathScore score(const std::byte* context, const State& state,
                             std::span<const OperatorId> relaxed_plan) const = 0;
+    // The same number alone, which is all that a search asks for.
+    virtual double count(const std::byte* context, const State& state, std::span<const OperatorId> relaxed_plan) const {
+        return score(context, state, relaxed_plan).num_inexplicable;
+    }
     // Contexts with equal keys are comparable by `lead`.
     virtual std::uint64_t closing_key(const std::byte* context) const = 0;
     // At most so many more steps are inexplicable after `a` than after `b`, whatever follows both; infinite if not known.
