@@ -18,13 +18,15 @@ namespace explicable {
 //   extend(context, operator, before, after) -> context
 //   score(context, state, relaxed_plan) -> (num_inexplicable, variance, num_steps)
 //   closing_key(context) -> int from 0 to 2**64 - 1
+//   charge(context) -> float, if there is such a method: what the path costs besides its operators; it never falls
 // A context in a search is a number; the values live as long as the scorer.
 class CallbackScorer : public PathScorer {
 public:
-    CallbackScorer(const CoreTask& task, nb::object callbacks) : task_(task), callbacks_(std::move(callbacks)) {}
+    CallbackScorer(const CoreTask& task, nb::object callbacks)
+        : task_(task), callbacks_(std::move(callbacks)), charges_(nb::hasattr(callbacks_, "charge")) {}
     CallbackScorer(const CallbackScorer&) = delete;
 
-    const CoreTask& task() const { return task_; }
+    bool fits(const Task& task) const override { return &task == &task_; }
     std::size_t context_size() const override { return sizeof(std::size_t); }
 
     void root(const State& state, std::byte* context) const override {
@@ -48,6 +50,14 @@ public:
         }
         return score;
     }
+    bool charges() const override { return charges_; }
+    double charge(const std::byte* context) const override {
+        if (!charges_) return 0.0;
+        const nb::gil_scoped_acquire gil;
+        const auto charge = nb::cast<double>(callbacks_.attr("charge")(value_of(context)));
+        if (!(charge >= 0.0) || !std::isfinite(charge)) throw std::invalid_argument("a scorer's charge is negative or not finite");
+        return charge;
+    }
     std::uint64_t closing_key(const std::byte* context) const override {
         const nb::gil_scoped_acquire gil;
         return nb::cast<std::uint64_t>(callbacks_.attr("closing_key")(value_of(context)));
@@ -56,6 +66,7 @@ public:
 private:
     const CoreTask& task_;
     nb::object callbacks_;
+    bool charges_;
     mutable std::vector<nb::object> values_;  // touched with the interpreter lock held only
 
     void keep(nb::object value, std::byte* context) const {

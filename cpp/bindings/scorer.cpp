@@ -1,5 +1,6 @@
 // Feature tables of a team task, and the scorer that a labelled search asks.
 #include "labelling/scorer.hpp"
+#include "labelling/telling.hpp"
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/unique_ptr.h>
@@ -7,6 +8,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -31,6 +33,13 @@ struct BoundScorer final : Scorer {
     const CoreTask& task;
 };
 
+// Likewise.
+struct BoundChoices final : HumanChoices {
+    BoundChoices(const CoreTask& core, const Task& mental, const MentalNames& names, std::shared_ptr<const TeamTables> tables)
+        : HumanChoices(core, mental, names, std::move(tables)), core(core) {}
+    const CoreTask& core;
+};
+
 std::shared_ptr<TeamTables> make_tables(const CoreTask& composite, const CoreTask& mental, const Ints& goal,
                                         Ints schemas, Ints predicates, Ints objects,
                                         const std::vector<std::uint8_t>& is_human) {
@@ -40,6 +49,34 @@ std::shared_ptr<TeamTables> make_tables(const CoreTask& composite, const CoreTas
                                         is_human);
 }
 
+State unpack(const CoreTask& task, const nb::bytes& packed) {
+    if (packed.size() != task.packer.num_words() * sizeof(Word)) throw std::invalid_argument("not a state of this task");
+    std::vector<Word> words(task.packer.num_words());
+    if (!words.empty()) std::memcpy(words.data(), packed.c_str(), packed.size());
+    return task.packer.unpack(words.data());
+}
+
+std::shared_ptr<BoundChoices> make_choices(const CoreTask& composite, const CoreTask& mental,
+                                           std::shared_ptr<const TeamTables> tables, Ints schemas, Ints predicates,
+                                           Ints objects) {
+    if (tables->num_operators() != composite.num_operators()) throw std::invalid_argument("tables of another task");
+    nb::gil_scoped_release release;
+    return std::make_shared<BoundChoices>(composite, mental,
+                                          MentalNames{std::move(schemas), std::move(predicates), std::move(objects)},
+                                          std::move(tables));
+}
+
+using Option = std::tuple<OperatorId, std::int32_t, bool, std::int32_t, bool>;
+
+std::vector<Option> list_options(const BoundChoices& choices, const nb::bytes& state, const Ints& open) {
+    std::vector<HumanOption> options;
+    choices.list(unpack(choices.core, state), open, options);
+    std::vector<Option> result;
+    for (const HumanOption& option : options)
+        result.emplace_back(option.step, option.request, option.distance != kNoWay, option.rank, option.repeats);
+    return result;
+}
+
 OperatorId check_operator(const TeamTables& tables, OperatorId step) {
     if (step < 0 || step >= tables.num_operators()) throw nb::index_error("no such operator");
     if (tables[step].schema < 0) throw nb::index_error("an auxiliary operator is no step");
@@ -47,13 +84,6 @@ OperatorId check_operator(const TeamTables& tables, OperatorId step) {
 }
 
 Ints row(const Table<std::int32_t>& table, OperatorId step) { return Ints(table[step].begin(), table[step].end()); }
-
-State unpack(const CoreTask& task, const nb::bytes& packed) {
-    if (packed.size() != task.packer.num_words() * sizeof(Word)) throw std::invalid_argument("not a state of this task");
-    std::vector<Word> words(task.packer.num_words());
-    if (!words.empty()) std::memcpy(words.data(), packed.c_str(), packed.size());
-    return task.packer.unpack(words.data());
-}
 
 const std::byte* check_context(const BoundScorer& scorer, const nb::bytes& context) {
     const auto* const bytes = reinterpret_cast<const std::byte*>(context.c_str());
@@ -69,6 +99,25 @@ std::unique_ptr<BoundScorer> make_scorer(const CoreTask& task, std::shared_ptr<c
     FeatureWeights table(tables->num_schemas, tables->max_arity);
     for (const auto& [feature_template, values, weight] : weights) table.set(feature_template, values, weight);
     return std::make_unique<BoundScorer>(task, std::move(tables), table, std::move(own), transitions, expected);
+}
+
+std::unique_ptr<CoreTask> tell(const CoreTask& task, std::int32_t num_sets,
+                               const std::vector<std::tuple<std::int32_t, std::int32_t, std::int32_t>>& tellings) {
+    std::vector<Telling> edges;
+    for (const auto& [from, to, schema] : tellings) edges.push_back({from, to, schema});
+    return std::make_unique<CoreTask>(with_telling(task, num_sets, edges));
+}
+
+std::unique_ptr<TellingScorer> make_telling_scorer(const CoreTask& task, const std::vector<const BoundScorer*>& scorers,
+                                                   double price) {
+    if (!(price >= 0) || !std::isfinite(price)) throw std::invalid_argument("a price must be finite and at least 0");
+    if (scorers.empty()) throw std::invalid_argument("a scorer is needed for each set");
+    std::vector<Scorer> copies;
+    for (const BoundScorer* scorer : scorers) {
+        if (!scorer || &scorer->task != &task) throw std::invalid_argument("a scorer of another task");
+        copies.push_back(*scorer);
+    }
+    return std::make_unique<TellingScorer>(task, std::move(copies), price);
 }
 
 }  // namespace
@@ -117,6 +166,12 @@ void bind_scorer(nb::module_& module) {
              },
              "step"_a, "fulfilled"_a);
 
+    nb::class_<BoundChoices>(module, "HumanChoices", "What a human can do in a state, with the features of each choice.")
+        .def(nb::new_(&make_choices), "composite"_a, "mental"_a, "tables"_a, "schemas"_a, "predicates"_a, "objects"_a,
+             nb::keep_alive<0, 1>())
+        // (operator, request or -1, whether there seems to be a way, rank of its length, whether it is open already)
+        .def("options", &list_options, "state"_a, "open"_a);
+
     // The base PathScorer is bound with the search.
     nb::class_<BoundScorer, PathScorer>(module, "Scorer", "A labeller compiled for one team task.")
         .def(nb::new_(&make_scorer), "task"_a, "tables"_a, "weights"_a, "transitions"_a, "expected"_a,
@@ -129,6 +184,18 @@ void bind_scorer(nb::module_& module) {
                  return moved;
              },
              "context"_a, nb::keep_alive<0, 1>())
+        .def("charging",
+             [](const BoundScorer& scorer, std::shared_ptr<const BoundChoices> choices, const HumanWeights& weights,
+                double price) {
+                 if (&choices->core != &scorer.task) throw std::invalid_argument("choices of another task");
+                 if (!(price >= 0) || !std::isfinite(price)) throw std::invalid_argument("a price must be finite and at least 0");
+                 for (const double weight : weights)
+                     if (!std::isfinite(weight)) throw std::invalid_argument("a weight is not finite");
+                 auto charging = std::make_unique<BoundScorer>(scorer);
+                 charging->charge_for(std::move(choices), weights, price);
+                 return charging;
+             },
+             "choices"_a, "weights"_a, "price"_a, nb::keep_alive<0, 1>())
         .def("root",
              [](const BoundScorer& scorer, const nb::bytes& state) {
                  std::vector<std::byte> context(scorer.context_size());
@@ -155,6 +222,11 @@ void bind_scorer(nb::module_& module) {
                  return std::tuple(result.num_inexplicable, result.variance, result.num_steps);
              },
              "context"_a, "state"_a, "relaxed_plan"_a)
+        .def("charge",
+             [](const BoundScorer& scorer, const nb::bytes& context) {
+                 return scorer.charge(check_context(scorer, context));
+             },
+             "context"_a)
         .def("closing_key",
              [](const BoundScorer& scorer, const nb::bytes& context) {
                  return scorer.closing_key(check_context(scorer, context));
@@ -194,4 +266,9 @@ void bind_scorer(nb::module_& module) {
                  return nb::bytes(widened.data(), widened.size());
              },
              "context"_a, "other"_a);
+
+    module.def("with_telling", &tell, "task"_a, "num_sets"_a, "tellings"_a,
+               "The task in which telling is a step: (from set, to set, schema) each.");
+    nb::class_<TellingScorer, PathScorer>(module, "TellingScorer", "One scorer for each set that can have been told.")
+        .def(nb::new_(&make_telling_scorer), "task"_a, "scorers"_a, "price"_a, nb::keep_alive<0, 1>());
 }

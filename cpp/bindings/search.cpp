@@ -63,12 +63,7 @@ Closing closing_of(const std::string& name) {
 }
 
 void check_scorer(const CoreTask& task, const PathScorer* scorer) {
-    const auto* counting = dynamic_cast<const CountingScorer*>(scorer);
-    if (counting && counting->num_operators() != static_cast<std::size_t>(task.num_operators())) {
-        throw std::invalid_argument("the scorer belongs to another task");
-    }
-    const auto* callback = dynamic_cast<const CallbackScorer*>(scorer);
-    if (callback && &callback->task() != &task) throw std::invalid_argument("the scorer belongs to another task");
+    if (scorer && !scorer->fits(task)) throw std::invalid_argument("the scorer belongs to another task");
 }
 
 // Asks for pending signals (Ctrl-C); a search that they end still hands over what it has.
@@ -83,7 +78,7 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
                     const std::vector<FactId>& goal, const std::string& algorithm,
                     const std::string& heuristic, const std::string& preferred, bool lookahead, double weight,
                     std::uint64_t seed, const PathScorer* scorer, const std::string& closing, double alpha, bool ratio,
-                    double gap, double time_limit_s, std::optional<std::size_t> memory_limit_bytes,
+                    double gap, const nb::object& on_better, double time_limit_s, std::optional<std::size_t> memory_limit_bytes,
                     std::optional<std::int64_t> max_evaluations) {
     check_scorer(task, scorer);
     SearchOptions options;
@@ -97,6 +92,12 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
     options.alpha = alpha;
     options.ratio = ratio;
     options.gap = gap;
+    if (!on_better.is_none()) {
+        options.on_better = [&on_better](double objective) {
+            const nb::gil_scoped_acquire gil;
+            on_better(objective);
+        };
+    }
     Limits limits;
     limits.time_s = time_limit_s;
     if (memory_limit_bytes) limits.memory_bytes = *memory_limit_bytes;
@@ -201,7 +202,7 @@ void bind_search(nb::module_& module) {
         .def_ro("search_s", &SearchAnswer::search_s);
     module.def("search", &search, "task"_a, "initial"_a.none(), "goal"_a, nb::kw_only(), "algorithm"_a,
                "heuristic"_a, "preferred"_a, "lookahead"_a, "weight"_a, "seed"_a, "scorer"_a.none(), "closing"_a, "alpha"_a,
-               "ratio"_a, "gap"_a, "time_limit_s"_a, "memory_limit_bytes"_a.none(),
+               "ratio"_a, "gap"_a, "on_better"_a.none(), "time_limit_s"_a, "memory_limit_bytes"_a.none(),
                "max_evaluations"_a.none());
     module.def("eliminate_actions", &eliminated, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a);
     module.def("search_neighbourhood", &neighbouring, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a,

@@ -32,6 +32,10 @@ void Scorer::extend(const std::byte* parent, OperatorId step, const State& befor
     Context context;
     std::memcpy(&context, parent, sizeof context);
     if ((*tables_)[step].schema >= 0) {
+        if (choices_) {
+            const auto requests = context.situation.requests();
+            context.charge += price_of_surprise_ * choices_->surprise(human_weights_, before, requests, step);
+        }
         OpenGoals goals(tables_->goals.size());
         read_goals(task_, *tables_, before, goals);
         advance(context, context.chain, step, goals);
@@ -114,10 +118,25 @@ bool Scorer::is_sound(std::span<const std::byte> bytes) const {
            is_step(situation.last_human) && situation.num_open >= 0 && situation.num_open <= kMaxRequests &&
            std::all_of(situation.open.begin(), situation.open.begin() + situation.num_open, is_request) &&
            std::ranges::all_of(situation.robot_steps, is_step) && situation.neighbour >= 0 &&
-           situation.neighbour < kNumNeighbours;
+           situation.neighbour < kNumNeighbours && context.charge >= 0;
 }
 
-void Scorer::start_at(std::span<const std::byte> context) { std::memcpy(&start_, context.data(), sizeof start_); }
+void Scorer::start_at(std::span<const std::byte> context) {
+    start_ = read(context.data());
+    start_.charge = 0;  // what is done is done
+}
+
+void Scorer::add_charge(std::byte* bytes, double charge) const {
+    Context context = read(bytes);
+    context.charge += charge;
+    std::memcpy(bytes, &context, sizeof context);
+}
+
+void Scorer::charge_for(std::shared_ptr<const HumanChoices> choices, const HumanWeights& weights, double price) {
+    choices_ = std::move(choices);
+    human_weights_ = weights;
+    price_of_surprise_ = price;
+}
 
 // Makes the features of the last step final, now that the next is known, and takes in the next.
 template <class Labels>
@@ -167,7 +186,7 @@ double Scorer::step_score(const Situation& situation, OperatorId step, const Ope
 
 bool Scorer::fulfils_open(const Situation& situation, OperatorId step) const {
     if (situation.num_open == 0 || !(*tables_)[step].fulfils) return false;
-    const auto open = std::span(situation.open).first(static_cast<std::size_t>(situation.num_open));
+    const auto open = situation.requests();
     for (const auto request : tables_->fulfils[step])
         if (std::ranges::find(open, request) != open.end()) return true;
     return false;

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "labelling/human_choices.hpp"
 #include "labelling/team_tables.hpp"
 #include "search/path_scorer.hpp"
 
@@ -76,6 +77,7 @@ struct Situation {
     std::array<OperatorId, kRecentSteps> robot_steps{-1, -1, -1, -1};  // the latest first
     std::int32_t neighbour = kNothing;                      // `last` as the next step sees it
 
+    std::span<const std::int32_t> requests() const { return std::span(open).first(static_cast<std::size_t>(num_open)); }
     int request() const { return num_open == 0 ? -1 : open[static_cast<std::size_t>(num_open) - 1]; }
 };
 
@@ -87,6 +89,7 @@ public:
     Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const FeatureWeights& weights,
            std::vector<double> own, Transitions transitions, bool expected);
 
+    bool fits(const Task& task) const override { return &task == &task_; }
     std::size_t context_size() const override;
     void root(const State& state, std::byte* context) const override;
     void extend(const std::byte* parent, OperatorId step, const State& before, const State& after,
@@ -96,6 +99,9 @@ public:
     double count(const std::byte* context, const State& state, std::span<const OperatorId> relaxed_plan) const override;
     std::uint64_t closing_key(const std::byte* context) const override;
     double lead(const std::byte* a, const std::byte* b, const State& state) const override;
+    double charge(const std::byte* context) const override { return read(context).charge; }
+    bool charges() const override { return choices_ != nullptr; }
+    void add_charge(std::byte* context, double charge) const;
     bool has_bounds() const override { return true; }
     double least_count(const std::byte* context) const override;
     double least_growth(const std::byte* parent, OperatorId step, const std::byte* child) const override;
@@ -107,6 +113,8 @@ public:
     bool is_sound(std::span<const std::byte> context) const;
     // Makes every path begin with the steps that led to a (sound) context.
     void start_at(std::span<const std::byte> context);
+    // From now on paths are charged for what the human does: `price` for each nat of surprise.
+    void charge_for(std::shared_ptr<const HumanChoices> choices, const HumanWeights& weights, double price);
 
 private:
     struct Span {
@@ -137,6 +145,7 @@ private:
         Situation situation;
         Chain chain;         // all steps but the last
         double pending = 0;  // score of the last step, but for its look-ahead
+        double charge = 0;   // for what the human has done
         std::int32_t num_steps = 0;
     };
     static Context read(const std::byte* bytes) {
@@ -190,6 +199,9 @@ private:
     std::vector<double> goals_;            // progress toward the nearest in both models, and of the mission
     std::vector<double> request_mission_;  // both kinds of progress
     std::vector<double> trend_, outlook_;  // progress, what stands beside
+    std::shared_ptr<const HumanChoices> choices_;  // none: nothing is charged
+    HumanWeights human_weights_{};
+    double price_of_surprise_ = 0;
     Transitions transitions_;
     Transitions factors_;  // exp of the transitions, the largest scaled to 1
     std::size_t num_schemas_, num_compared_;  // arguments

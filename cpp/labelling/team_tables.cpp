@@ -12,13 +12,6 @@
 namespace explicable {
 namespace {
 
-bool translate(std::span<const std::int32_t> arguments, const std::vector<std::int32_t>& object,
-               std::vector<std::int32_t>& translated) {
-    translated.clear();
-    for (const auto argument : arguments) translated.push_back(object[argument]);
-    return std::ranges::find(translated, -1) == translated.end();
-}
-
 std::vector<std::uint8_t> human_operators(const Task& task, const std::vector<std::uint8_t>& is_human) {
     std::vector<std::uint8_t> flags(static_cast<std::size_t>(task.num_operators()));
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
@@ -36,6 +29,33 @@ std::uint64_t mask_of(std::span<const FactId> facts) {
 }
 
 }  // namespace
+
+bool translate_objects(std::span<const std::int32_t> arguments, const std::vector<std::int32_t>& object,
+                       std::vector<std::int32_t>& translated) {
+    translated.clear();
+    for (const auto argument : arguments) translated.push_back(object[argument]);
+    return std::ranges::find(translated, -1) == translated.end();
+}
+
+std::vector<FactId> find_mental_facts(const Task& composite, const Task& mental, const MentalNames& names) {
+    TaskIndex in_mental_task(mental);
+    std::vector<std::int32_t> translated;
+    std::vector<FactId> mental_fact;
+    for (FactId fact = 0; fact < composite.num_facts(); ++fact) {
+        const auto predicate = composite.fact_predicate[fact];
+        if (predicate == auxiliary) {
+            mental_fact.push_back(-1);
+            continue;
+        }
+        const auto positive = predicate < 0 ? ~predicate : predicate;
+        if (static_cast<std::size_t>(positive) >= names.predicate.size())
+            throw std::invalid_argument("a predicate has no name");
+        const auto head = names.predicate[positive];
+        const bool known = head >= 0 && translate_objects(composite.fact_arguments[fact], names.object, translated);
+        mental_fact.push_back(known ? in_mental_task.find_fact(predicate < 0 ? ~head : head, translated) : -1);
+    }
+    return mental_fact;
+}
 
 TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vector<FactId>& goal,
                        const MentalNames& names, const std::vector<std::uint8_t>& human_objects)
@@ -63,7 +83,7 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
         TeamStep step;
         step.schema = schema;
         step.is_human = human[op] != 0;
-        step.in_mental = head >= 0 && translate(objects, names.object, translated) &&
+        step.in_mental = head >= 0 && translate_objects(objects, names.object, translated) &&
                          !in_mental_task.find_operators(head, translated).empty();
         step.adds = mask_of(adds_[op]);
         step.deletes = mask_of(deletes_[op]);
@@ -71,20 +91,6 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
         steps_.push_back(step);
     }
 
-    std::vector<FactId> mental_fact;
-    for (FactId fact = 0; fact < composite.num_facts(); ++fact) {
-        const auto predicate = composite.fact_predicate[fact];
-        if (predicate == auxiliary) {
-            mental_fact.push_back(-1);
-            continue;
-        }
-        const auto positive = predicate < 0 ? ~predicate : predicate;
-        if (static_cast<std::size_t>(positive) >= names.predicate.size())
-            throw std::invalid_argument("a predicate has no name");
-        const auto head = names.predicate[positive];
-        const bool known = head >= 0 && translate(composite.fact_arguments[fact], names.object, translated);
-        mental_fact.push_back(known ? in_mental_task.find_fact(predicate < 0 ? ~head : head, translated) : -1);
-    }
     find_requests(composite);
     find_goals(composite);
 
@@ -95,7 +101,7 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
         if (static_cast<std::size_t>(theirs) >= mental_objects.size()) mental_objects.resize(theirs + 1);
         mental_objects[theirs] = human_objects[object];
     }
-    const Measure measure(composite, mental, std::move(mental_fact), human, human_operators(mental, mental_objects));
+    const Measure measure(composite, mental, find_mental_facts(composite, mental, names), human, human_operators(mental, mental_objects));
     measure_requests(measure);
     measure_goals(measure);
 }

@@ -43,6 +43,13 @@ struct MentalNames {
     std::vector<std::int32_t> schema, predicate, object;
 };
 
+// Objects in the mental task's numbering; false if it does not have them all.
+bool translate_objects(std::span<const std::int32_t> arguments, const std::vector<std::int32_t>& object,
+                       std::vector<std::int32_t>& translated);
+
+// The mental task's number of each fact of the composite task, or -1.
+std::vector<FactId> find_mental_facts(const Task& composite, const Task& mental, const MentalNames& names);
+
 // The goals that are not fulfilled.
 class OpenGoals {
 public:

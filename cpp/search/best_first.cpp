@@ -54,8 +54,9 @@ void BestFirstSearch::evaluate(NodeId node, Monitor& monitor) {
 }
 
 Key BestFirstSearch::key(NodeId node) const {
-    const double cost = static_cast<double>(nodes_.cost(node)), h = h_[node];
-    if (options_.labelled.scorer) return evaluator_.key(cost, h);
+    const double h = h_[node];
+    if (options_.labelled.scorer) return evaluator_.key(nodes_.spent(node), h);
+    const auto cost = static_cast<double>(nodes_.cost(node));
     return {options_.weight_g * cost + options_.weight_h * h, options_.weight_g == 0.0 ? 0.0 : h};
 }
 

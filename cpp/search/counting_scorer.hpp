@@ -13,7 +13,9 @@ class CountingScorer : public PathScorer {
 public:
     explicit CountingScorer(std::vector<double> weights) : weights_(std::move(weights)) {}
 
-    std::size_t num_operators() const { return weights_.size(); }
+    bool fits(const Task& task) const override {
+        return weights_.size() == static_cast<std::size_t>(task.num_operators());
+    }
     std::size_t context_size() const override { return sizeof(Context); }
     void root(const State&, std::byte* context) const override { write({0.0, 0}, context); }
     void extend(const std::byte* parent, OperatorId step, const State&, const State&, std::byte* context) const override {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -14,11 +15,14 @@ namespace explicable {
 struct SearchOptions;
 struct SearchAnswer;
 
-// The best plan so far, by J = cost + alpha * dist (Eq. 3 of the paper). Without a scorer J is the cost.
+constexpr double rounding = 1e-9;  // no plan counts as better that is better by less
+
+// The best plan so far, by J = cost + charge + alpha * dist (Eq. 3 of the paper). Without a scorer J is the cost.
 struct Incumbent {
     const PathScorer* scorer = nullptr;
     double alpha = 0.0;
     bool ratio = false;  // dist is the share of inexplicable steps, not their number
+    std::function<void(double)> on_better{};  // called with the objective of each better plan
 
     std::optional<std::vector<OperatorId>> plan{};
     std::int64_t cost = 0;
@@ -28,6 +32,10 @@ struct Incumbent {
     bool offer(std::vector<OperatorId> candidate, const Question& question);
     double penalty(const PathScore& score) const;
 };
+
+// With a scorer: sweeps over what may lie ahead of all states, or of those near the best plan, and A* with them.
+void improve_objective(const Question& question, const SearchOptions& options, Monitor& monitor, Incumbent& best,
+                       SearchAnswer& answer);
 
 // Goes on from a first plan; sets lower_bound and is_optimal.
 void improve(const Question& question, const SearchOptions& options, Monitor& monitor, Incumbent& best,

@@ -59,7 +59,7 @@ bool LazySearch::visit(NodeId node, Monitor& monitor) {
     question_.successors.applicable(state_, applicable_);
     ties_.shuffle(applicable_);
     evaluator_.preferred(preferred_, applicable_, marked_);
-    const Key key = evaluator_.key(static_cast<double>(nodes_.cost(node)), h);
+    const Key key = evaluator_.key(nodes_.spent(node), h);
     push(promising_, key, node, marked_);
     push(all_, key, node, applicable_);
     if (lookahead_) next_ = lookahead_->follow(evaluator_.relaxed_plan(), nodes_, node, state_, monitor);

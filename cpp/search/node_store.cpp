@@ -25,6 +25,7 @@ NodeStore::NodeStore(const Task& task, const PathScorer* scorer, Closing closing
       scorer_(scorer),
       closing_(scorer ? closing : Closing::state),
       price_(price),
+      charges_(scorer && scorer->charges()),
       packer_(task),
       registry_(packer_.num_words() + by_context()),
       contexts_(context_width(scorer)),
@@ -65,7 +66,7 @@ void NodeStore::extend(NodeId parent, OperatorId step, const Word* to) {
 
 bool NodeStore::dominates(const Rival& a, std::int64_t cost_a, const std::byte* context_a, const Rival& b,
                           std::int64_t cost_b, const std::byte* context_b) const {
-    const auto saved = static_cast<double>(cost_b - cost_a);
+    const double saved = spent(cost_b, context_b) - spent(cost_a, context_a);
     if (closing_ == Closing::objective) {
         return price_ > 0 ? price_ * scorer_->lead(context_a, context_b, after_) <= saved + rounding : saved >= 0;
     }

@@ -38,6 +38,8 @@ public:
     void state(NodeId node, State& state) const;
     const Word* words(NodeId node) const { return registry_[by_context() ? rivals_[node].state : node]; }  // packed state
     std::int64_t cost(NodeId node) const { return nodes_.row(node)->cost; }
+    // Cost and charge.
+    double spent(NodeId node) const { return spent(nodes_.row(node)->cost, scorer_ ? contexts_.row(node) : nullptr); }
     const std::byte* context(NodeId node) const { return contexts_.row(node); }
     bool is_dominated(NodeId node) const { return by_context() && rivals_[node].dominated; }
     std::vector<OperatorId> path(NodeId node) const;
@@ -71,6 +73,7 @@ private:
     const PathScorer* scorer_;
     Closing closing_;
     double price_;
+    bool charges_;
     StatePacker packer_;
     StateRegistry registry_;  // of states, or of states with closing keys
     Rows<Node> nodes_;
@@ -83,6 +86,9 @@ private:
     NodeId parent_before_ = -1;  // whose state before_ is
 
     bool by_context() const { return closing_ != Closing::state; }
+    double spent(std::int64_t cost, const std::byte* context) const {
+        return static_cast<double>(cost) + (charges_ ? scorer_->charge(context) : 0.0);
+    }
     bool dominates(const Rival& a, std::int64_t cost_a, const std::byte* context_a, const Rival& b, std::int64_t cost_b,
                    const std::byte* context_b) const;
     void unpack(const Word* words, State& state) const;

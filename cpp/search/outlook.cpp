@@ -50,44 +50,65 @@ void StepGraph::sweep(std::vector<double>& ahead) const {
 CostToGo::CostToGo(const Question& question, const StatePacker& packer)
     : question_(question), packer_(packer), states_(packer.num_words()) {}
 
-void CostToGo::list(Monitor& monitor, std::int32_t limit) {
+// Expands states in the order of their numbers; returns how many.
+std::int32_t CostToGo::expand(Monitor& monitor, std::int32_t limit, StepGraph& graph) {
     std::vector<Word> words(packer_.num_words());
     std::vector<OperatorId> applicable;
-    StepGraph graph;
-    packer_.pack(question_.initial, words.data());
-    states_.insert(words.data());
-    std::vector<double> costs;
     std::int32_t next = 0;
     for (; next < states_.size() && states_.size() <= limit; ++next) {
         if (!monitor.may_go_on([&] { return states_.memory_bytes() + graph.edges.capacity() * sizeof(StepGraph::Edge); })) break;
-        const State state = packer_.unpack(states_[next]);
-        costs.push_back(question_.is_goal(state) ? 0.0 : dead_end);
-        question_.successors.applicable(state, applicable);
+        question_.successors.applicable(packer_.unpack(states_[next]), applicable);
         for (const OperatorId step : applicable) {
             apply(question_.task, packer_, step, states_[next], words.data());
             const StateId to = states_.insert(words.data()).first;
             if (to != next) graph.edges.push_back({next, to, step, static_cast<double>(question_.task.cost[step])});
         }
     }
-    if (next < states_.size()) {
+    costs_.clear();
+    for (StateId state = 0; state < states_.size(); ++state)
+        costs_.push_back(question_.is_goal(packer_.unpack(states_[state])) ? 0.0 : dead_end);
+    return next;
+}
+
+void CostToGo::list(Monitor& monitor, std::int32_t limit) {
+    std::vector<Word> words(packer_.num_words());
+    StepGraph graph;
+    packer_.pack(question_.initial, words.data());
+    states_.insert(words.data());
+    if (expand(monitor, limit, graph) < states_.size()) {
         states_ = StateRegistry(packer_.num_words());
+        costs_.clear();
         heuristic_ = make_admissible(question_, "lmcut");
         return;
     }
-    graph.sweep(costs);
-    costs_ = std::move(costs);
+    graph.sweep(costs_);
+}
+
+void CostToGo::list_near(Monitor& monitor, const std::vector<OperatorId>& plan, std::int32_t limit) {
+    std::vector<Word> from(packer_.num_words()), to(packer_.num_words());
+    StepGraph graph;
+    packer_.pack(question_.initial, from.data());
+    states_.insert(from.data());
+    for (const OperatorId step : plan) {
+        apply(question_.task, packer_, step, from.data(), to.data());
+        std::swap(from, to);
+        states_.insert(from.data());
+    }
+    expand(monitor, std::max(limit, 2 * states_.size()), graph);
+    graph.sweep(costs_);
 }
 
 double CostToGo::operator()(const Word* words) const {
-    if (!costs_.empty()) return costs_[states_.find(words)];
-    return heuristic_->evaluate(packer_.unpack(words));
+    if (heuristic_) return heuristic_->evaluate(packer_.unpack(words));
+    const StateId state = states_.find(words);
+    return state >= 0 ? costs_[state] : dead_end;
 }
 
 std::size_t CostToGo::memory_bytes() const { return states_.memory_bytes() + costs_.capacity() * sizeof(double); }
 
 Outlook::Outlook(const Question& question, const PathScorer* scorer, double alpha)
     : question_(question),
-      scorer_(scorer && scorer->has_bounds() && alpha > 0.0 ? scorer : nullptr),
+      scorer_(scorer && scorer->has_bounds() && (alpha > 0.0 || scorer->charges()) ? scorer : nullptr),
       alpha_(alpha),
       packer_(question.task),
       cost_to_go_(question, packer_),
@@ -97,6 +118,16 @@ Outlook::Outlook(const Question& question, const PathScorer* scorer, double alph
 
 bool Outlook::prepare(Monitor& monitor, double bound, const Offer& offer) {
     cost_to_go_.list(monitor, max_states);
+    return sweep(monitor, bound, offer);
+}
+
+bool Outlook::prepare_near(Monitor& monitor, const std::vector<OperatorId>& plan, std::int32_t limit, double bound,
+                           const Offer& offer) {
+    cost_to_go_.list_near(monitor, plan, limit);
+    return sweep(monitor, bound, offer);
+}
+
+bool Outlook::sweep(Monitor& monitor, double bound, const Offer& offer) {
     if (monitor.stop() != Stop::none) return false;
     is_complete_ = cost_to_go_.is_exact() && !scorer_;
     // Without exact costs, contexts are more than can be listed too.
@@ -163,7 +194,8 @@ bool Outlook::list(Monitor& monitor, double bound, const Offer& offer) {
             apply(question_.task, packer_, step, places_[place], words.data());
             const State after = packer_.unpack(words.data());
             scorer_->extend(contexts_.row(place), step, before, after, context.data());
-            const double cost = question_.task.cost[step];
+            const double charge = scorer_->charge(context.data()) - scorer_->charge(contexts_.row(place));
+            const double cost = question_.task.cost[step] + charge;
             const double growth = scorer_->least_growth(contexts_.row(place), step, context.data());
             const std::int32_t to = arrive(words.data(), arrivals[place].value + cost + alpha_ * growth, place, step);
             if (to >= 0) graph_.edges.push_back({place, to, step, cost});

@@ -30,12 +30,15 @@ public:
     void sweep(std::vector<double>& ahead) const;
 };
 
-// Exact costs to the goal where all reachable states could be listed, else an admissible heuristic.
+// Exact costs to the goal where all reachable states could be listed, else an admissible heuristic; or, near a plan, the exact
+// costs of going on among the states near it.
 class CostToGo {
 public:
     CostToGo(const Question& question, const StatePacker& packer);
     // Lists states until there are more than `max_states`, or the monitor stops.
     void list(Monitor& monitor, std::int32_t max_states);
+    // Lists states in the order of their distance from those of a plan. All others are dead ends from then on.
+    void list_near(Monitor& monitor, const std::vector<OperatorId>& plan, std::int32_t max_states);
     double operator()(const Word* words) const;
     bool is_exact() const { return !costs_.empty(); }
     std::size_t memory_bytes() const;
@@ -46,9 +49,11 @@ private:
     StateRegistry states_;
     std::vector<double> costs_;
     std::unique_ptr<AdmissibleHeuristic> heuristic_;
+
+    std::int32_t expand(Monitor& monitor, std::int32_t max_states, StepGraph& graph);
 };
 
-// Lower bounds of cost + alpha * inexplicable steps from a context to the goal: the scorer's bounds for single steps, summed
+// Lower bounds of cost + charge + alpha * inexplicable steps from a context to the goal: the scorer's bounds for single steps, summed
 // along the best continuation. Contexts that were not listed get their cost-to-go.
 class Outlook {
 public:
@@ -60,11 +65,16 @@ public:
     using Offer = std::function<double(std::vector<OperatorId>)>;
     bool prepare(Monitor& monitor, double bound, const Offer& offer);
 
+    // The same within the neighbourhood of a plan, outside of which all is a dead end.
+    bool prepare_near(Monitor& monitor, const std::vector<OperatorId>& plan, std::int32_t max_states, double bound,
+                      const Offer& offer);
+
     // `words`: the packed state.
     double operator()(const Word* words, const std::byte* context) const;
     double from_start() const;
     std::size_t memory_bytes() const;
     bool is_complete() const { return is_complete_; }
+    bool is_exact() const { return cost_to_go_.is_exact(); }  // all states that can be reached were listed
 
 private:
     const Question& question_;
@@ -79,6 +89,7 @@ private:
     mutable std::vector<Word> key_;
     bool is_complete_ = false;
 
+    bool sweep(Monitor& monitor, double bound, const Offer& offer);
     const Word* with_key(const Word* words, const std::byte* context) const;
     bool list(Monitor& monitor, double bound, const Offer& offer);
     void weigh();

@@ -20,6 +20,7 @@ struct PathScore {
 class PathScorer {
 public:
     virtual ~PathScorer() = default;
+    virtual bool fits(const Task&) const { return true; }  // whether it is for this task
     virtual std::size_t context_size() const = 0;  // bytes, the same for every node
     virtual void root(const State& state, std::byte* context) const = 0;
     // `before` is the state in which `step` is executed, `after` the state that it leads to.
@@ -38,6 +39,11 @@ public:
     virtual double lead(const std::byte* a, const std::byte* b, const State& state) const {
         return score(a, state, {}).num_inexplicable - score(b, state, {}).num_inexplicable;
     }
+
+    // What a path costs besides its operators, in the unit of cost; it never falls along a path. Contexts with equal closing
+    // keys, of one state, are charged alike for whatever follows.
+    virtual double charge(const std::byte*) const { return 0.0; }
+    virtual bool charges() const { return false; }  // whether any path is charged
 
     // Lower bounds. For every plan through a context, the number of inexplicable steps is at least `least_count` of it, and
     // `least_growth` of all further extensions, and `least_end` of the last context. All are 0 where nothing is known.

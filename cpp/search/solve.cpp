@@ -117,6 +117,7 @@ void polish(const Question& question, Incumbent& best) {
 SearchAnswer solve(const Question& question, const SearchOptions& options, Monitor& monitor) {
     SearchAnswer answer;
     Incumbent best{options.labelled.scorer, options.alpha, options.ratio};
+    if (options.algorithm == "anytime") best.on_better = options.on_better;
     try {
         SearchOptions first = options;
         // A first plan is wanted soon; the search that improves it has its own way of closing nodes.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ struct SearchOptions {
     LabelledOptions labelled;
     double alpha = 0.0;  // "anytime" with a scorer minimises cost + alpha * dist
     bool ratio = false;  // dist is the share of inexplicable steps, not their number
+    std::function<void(double)> on_better;  // called with the objective of each better plan of "anytime"
     double gap = 0.0;    // "anytime" with a scorer ends once no plan can be better by more than this share
 };
 

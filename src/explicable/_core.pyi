@@ -1,7 +1,7 @@
 """Types of the compiled core; one section per file of ``cpp/bindings``."""
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,6 +133,7 @@ def search(
     alpha: float,
     ratio: bool,
     gap: float,
+    on_better: Callable[[float], None] | None,
     time_limit_s: float,
     memory_limit_bytes: int | None,
     max_evaluations: int | None,
@@ -232,6 +233,21 @@ class TeamTables:
     def toward_request(self, step: int, request: int) -> tuple[int, int]: ...
     def toward_goals(self, step: int, fulfilled: list[bool]) -> tuple[int, int, int]: ...
 
+class HumanChoices:
+    """What a human can do in a state, with the features of each choice."""
+
+    def __init__(
+        self,
+        composite: Task,
+        mental: Task,
+        tables: TeamTables,
+        schemas: list[int],
+        predicates: list[int],
+        objects: list[int],
+    ) -> None: ...
+    def options(self, state: bytes, open: list[int]) -> list[tuple[int, int, bool, int, bool]]:
+        """List (operator, request or -1, whether there seems to be a way, its rank, whether it is open)."""
+
 class Scorer(PathScorer):
     """A labeller compiled for one team task; contexts are bytes."""
 
@@ -245,6 +261,9 @@ class Scorer(PathScorer):
         own: list[float] = ...,
     ) -> None: ...
     def starting_at(self, context: bytes) -> Scorer: ...
+    def charging(self, choices: HumanChoices, weights: list[float], price: float) -> Scorer:
+        """Charge every path `price` for each nat of surprise at what it makes the human do."""
+    def charge(self, context: bytes) -> float: ...
     def root(self, state: bytes) -> bytes: ...
     def extend(self, parent: bytes, step: int, before: bytes, after: bytes) -> bytes: ...
     def score(self, context: bytes, state: bytes, relaxed_plan: list[int]) -> tuple[float, float, int]:
@@ -256,3 +275,11 @@ class Scorer(PathScorer):
     def least_end(self, context: bytes) -> float: ...
     def outlook_key(self, context: bytes) -> int: ...
     def widen(self, context: bytes, other: bytes) -> bytes: ...
+
+def with_telling(task: Task, num_sets: int, tellings: Sequence[tuple[int, int, int]]) -> Task:
+    """Return the task in which telling is a step: (from set, to set, schema) each."""
+
+class TellingScorer(PathScorer):
+    """Scores paths of such a task: one scorer for each set that can have been told."""
+
+    def __init__(self, task: Task, scorers: Sequence[Scorer], price: float) -> None: ...

@@ -7,6 +7,7 @@ step; `cpp/labelling/scorer.cpp` holds the same definitions for that purpose.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from explicable import _core
 from explicable.errors import ResourceError
@@ -45,7 +46,18 @@ class TeamFeatures:
         self._goal = team.task.goal
         self._request_facts = self.tables.request_facts
 
-    def extract(self, operators: Sequence[int], states: Sequence[State]) -> list[tuple[str, ...]]:
+    @cached_property
+    def choices(self) -> _core.HumanChoices:
+        """What the person can do in a state, with the features of each choice."""
+        team = self.team
+        return _core.HumanChoices(team.task.core, team.mental.core, self.tables, *_mental_names(team))
+
+    def extract(
+        self,
+        operators: Sequence[int],
+        states: Sequence[State],
+        knowing: "Sequence[TeamFeatures] | None" = None,
+    ) -> list[tuple[str, ...]]:
         """Return the features of each step; human steps have none, since nobody is asked about them.
 
         Parameters
@@ -56,6 +68,8 @@ class TeamFeatures:
             and asks.
         states
             The state before each executed step, and the state after the last one.
+        knowing
+            For each step, the same task with the mental model that the person has by then. Default: this one.
         """
         walk = _Walk()
         steps: list[_SeenStep] = []
@@ -63,7 +77,8 @@ class TeamFeatures:
         for number, operator in enumerate(operators):
             if number < len(states):
                 fulfilled = [self.task.core.holds(states[number], [fact]) for fact in self._goal]
-            steps.append(self._see(walk, operator, fulfilled))
+            watching = knowing[number] if knowing else self
+            steps.append(watching._see(walk, operator, fulfilled))
             walk.remember(self.tables, steps[-1])
             if number + 1 < len(states):
                 walk.requests = [r for r in walk.requests if self.stands(r, states[number + 1])]
@@ -167,20 +182,28 @@ def _look_ahead(step: _SeenStep, after: _SeenStep | None) -> Iterator[str]:
 
 
 def _make_tables(team: TeamTask) -> _core.TeamTables:
-    domain, mental = team.task.problem.domain, team.mental.problem.domain
+    domain = team.task.problem.domain
     types = {**domain.constants, **team.task.problem.objects}
     try:
         return _core.TeamTables(
             team.task.core,
             team.mental.core,
             list(team.task.goal),
-            _translation([a.name for a in domain.actions], [a.name for a in mental.actions]),
-            _translation([p.name for p in domain.predicates], [p.name for p in mental.predicates]),
-            _translation(team.task.objects, team.mental.objects),
+            *_mental_names(team),
             [agent_kind(domain, types[name]) == "human" for name in team.task.objects],
         )
     except ValueError as error:  # std::length_error
         raise ResourceError(f"problem {team.task.problem.name}: {error}") from error
+
+
+def _mental_names(team: TeamTask) -> tuple[list[int], list[int], list[int]]:
+    """Return the mental task's numbers of schemas, predicates and objects; -1 where it has none such."""
+    own, mental = team.task.problem.domain, team.mental.problem.domain
+    return (
+        _translation([a.name for a in own.actions], [a.name for a in mental.actions]),
+        _translation([p.name for p in own.predicates], [p.name for p in mental.predicates]),
+        _translation(team.task.objects, team.mental.objects),
+    )
 
 
 def _translation(names: Sequence[str], theirs: Sequence[str]) -> list[int]:

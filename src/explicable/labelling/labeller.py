@@ -1,5 +1,6 @@
 """The labeller: learns from traces what people find explicable, and labels plans that nobody has seen yet."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import pairwise
@@ -11,6 +12,7 @@ import numpy as np
 from explicable import _core
 from explicable.errors import LabellerError, UsageError
 from explicable.labelling.augment import ground_symbol_features
+from explicable.labelling.choices import ChoiceModel
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.labelled_plan import LabelledPlan, clamp_humans
@@ -18,6 +20,7 @@ from explicable.labelling.labeller_file import LabellerContent, read_labeller, w
 from explicable.labelling.learning import CLASSES, Symbols, TrainingData, step_features
 from explicable.labelling.population import fit_population
 from explicable.labelling.score import score_plan
+from explicable.labelling.situations import HUMAN_FEATURES
 from explicable.labelling.templates import explain_feature, feature_code
 from explicable.labelling.traces import Trace
 from explicable.model.problem import GroundAtom
@@ -186,7 +189,13 @@ class Labeller:
         )
         write_labeller(path, content)
 
-    def label(self, team: TeamTask | TeamFeatures, actions: Sequence[GroundAtom]) -> LabelledPlan:
+    def label(
+        self,
+        team: TeamTask | TeamFeatures,
+        actions: Sequence[GroundAtom],
+        *,
+        knowing: Sequence[TeamFeatures] | None = None,
+    ) -> LabelledPlan:
         """Label a plan of a team task.
 
         Parameters
@@ -195,6 +204,9 @@ class Labeller:
             The task; handing in its `TeamFeatures` saves making them again.
         actions
             A plan from the initial state; it need not reach the goal.
+        knowing
+            For each step, the same task with the mental model that the person has by then, if they are told
+            something on the way.
 
         Raises
         ------
@@ -204,9 +216,9 @@ class Labeller:
             If the labeller knows none of the task's action schemas or, trained on ground symbols, none of
             its objects.
         """
-        features = self._features(team)
+        features = self.features(team)
         execution = features.task.execute(actions)
-        rows = step_features(features, execution, self.symbols)
+        rows = step_features(features, execution, self.symbols, knowing)
         is_robot = tuple(not features.tables.is_human(operator) for operator in execution.operators)
         clamp = [clamp_humans(is_robot)]
         (labels,) = self.model.predict([rows], clamp)
@@ -224,7 +236,13 @@ class Labeller:
         )
 
     def scorer(
-        self, team: TeamTask | TeamFeatures, *, expected: bool = True, history: Sequence[GroundAtom] = ()
+        self,
+        team: TeamTask | TeamFeatures,
+        *,
+        expected: bool = True,
+        history: Sequence[GroundAtom] = (),
+        choice_model: ChoiceModel | None = None,
+        charge: float = 0.0,
     ) -> _core.Scorer:
         """Compile the labeller for a search over a team task.
 
@@ -236,16 +254,23 @@ class Labeller:
             Whether to count inexplicable steps by their probability; otherwise by the most probable labels.
         history
             Steps already done, from the task's initial state: every path that is scored begins with them.
+        choice_model
+            What people choose (`explicable.labelling.situations`).
+        charge
+            With it, what a path is charged, in the unit of cost, for each nat of surprise (-log p) at what it
+            makes the person do, waiting included. The history is not charged for.
 
         Raises
         ------
+        UsageError
+            If the charge is negative, infinite or not a number.
         PlanError
             If a step of the history is not applicable.
         LabellerError
             If the labeller knows none of the task's action schemas or, trained on ground symbols, none of
             its objects.
         """
-        features = self._features(team)
+        features = self.features(team)
         lifted = self.symbols == "lifted"
         scorer = _core.Scorer(
             features.task.core,
@@ -255,6 +280,11 @@ class Labeller:
             expected=expected,
             own=[] if lifted else self._own(features),
         )
+        if not (math.isfinite(charge) and charge >= 0):
+            raise UsageError(f"the charge must be finite and at least 0, not {charge}")
+        if choice_model is not None and charge > 0:
+            found = dict(zip(choice_model.feature_names, choice_model.weights.tolist(), strict=True))
+            scorer = scorer.charging(features.choices, [found.get(f, 0.0) for f in HUMAN_FEATURES], charge)
         if not history:
             return scorer
         execution = features.task.execute(history)

@@ -29,8 +29,13 @@ Rows = list[tuple[str, ...]]
 """Features of each step of a plan; none of human steps, about which nobody is asked."""
 
 
-def step_features(team: TeamFeatures, execution: "Execution", symbols: Symbols = "lifted") -> Rows:
-    """Return the features of each step of an executed plan.
+def step_features(
+    team: TeamFeatures,
+    execution: "Execution",
+    symbols: Symbols = "lifted",
+    knowing: "Sequence[TeamFeatures] | None" = None,
+) -> Rows:
+    """Return the features of each step of an executed plan; `knowing` as in `TeamFeatures.extract`.
 
     Examples
     --------
@@ -42,7 +47,7 @@ def step_features(team: TeamFeatures, execution: "Execution", symbols: Symbols =
     [(), ('move', '1=r1', '2=c-0-0', '3=c-0-1', '(move r1 c-0-0 c-0-1)')]
     """
     if symbols == "lifted":
-        return team.extract(execution.operators, execution.states)
+        return team.extract(execution.operators, execution.states, knowing)
     is_human = [team.tables.is_human(operator) for operator in execution.operators]
     return _symbols([team.task.action(operator) for operator in execution.operators], is_human)
 

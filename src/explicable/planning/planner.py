@@ -10,7 +10,7 @@ where ``c`` is the number of inexplicable steps in ``path # rp``.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict
 
@@ -22,6 +22,7 @@ from explicable.search import Algorithm, Closing, Outcome, PathScorer, SearchRes
 
 if TYPE_CHECKING:  # planning without a labeller starts without NumPy
     from explicable.labelling import LabelledPlan, Labeller
+    from explicable.planning.predictions import HumanModel, PredictedSteps
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,9 +37,11 @@ class TeamPlan:
         The joint plan, if there is one.
     labelled
         The plan's steps with their predicted labels and all scores, if a labeller was given.
+    predicted
+        How plausible the plan's human steps are, if a model of the person's choices was given.
     objective
         ``J`` of the plan: its cost and, with regard to the person, ``alpha`` for each step expected to be
-        inexplicable.
+        inexplicable, and what is charged for human steps.
     lower_bound
         No plan has a lower objective; 0 if nothing is known.
     evaluations
@@ -54,6 +57,7 @@ class TeamPlan:
     outcome: Outcome
     plan: JointPlan | None
     labelled: "LabelledPlan | None"
+    predicted: "PredictedSteps | None"
     objective: float | None
     lower_bound: float
     evaluations: int
@@ -114,7 +118,11 @@ def plan_explicably(
     memory_limit_bytes: int | None = None,
     max_evaluations: int | None = None,
     improve_s: float = 1.0,
+    gap: float = 0.0,
+    human_model: "HumanModel | None" = None,
+    human_step_weight: float = 0.0,
     seed: int = 0,
+    on_better: Callable[[float], None] | None = None,
 ) -> TeamPlan:
     """Plan steps that the person will find sensible: by Eq. 4, then improving ``J`` (Eq. 3).
 
@@ -142,13 +150,25 @@ def plan_explicably(
         As in `explicable.search.search`, of which there are up to two, one after the other.
     improve_s
         Seconds for the improvement of the first plan at most; 0 for the paper's planner, which has none.
+    gap
+        The improvement ends once no plan can have a ``J`` that is lower by more than this share.
+    human_model, human_step_weight
+        What people choose, and what a plan is charged, in the unit of cost, for each nat of surprise at what it
+        makes the person do: ``J`` gains ``human_step_weight * -log P(the person's part | the robots' part)``,
+        so that a plan can't look good by giving the person convenient orders (method page, section 2).
+    on_better
+        Called with ``J`` of each plan of the improvement that is better than all before.
 
     Raises
     ------
     UsageError
-        If alpha is negative, infinite or not a number.
+        If a price is negative, infinite or not a number, or human steps are to be charged without a model.
     """
-    scorer = labeller.scorer(team_task, expected=expected)
+    if human_step_weight != 0 and human_model is None:
+        raise UsageError("human steps can be charged for only with a model of what people choose")
+    features = labeller.features(team_task)
+    choice_model = human_model.model if human_model else None
+    scorer = labeller.scorer(features, expected=expected, choice_model=choice_model, charge=human_step_weight)
     options = _Options(
         scorer=scorer,
         seed=seed,
@@ -164,9 +184,17 @@ def plan_explicably(
         if min(improve_s, left_s) > 0 and options["max_evaluations"] != 0:
             limit_s = min(improve_s, left_s)
             # J is by expectation, whatever led to the first plan.
-            options["scorer"] = scorer if expected else labeller.scorer(team_task, expected=True)
-            results.append(search(team_task.task, "anytime", time_limit_s=limit_s, **options))
-    return _team_plan(team_task, results, labeller, alpha)
+            if not expected:
+                options["scorer"] = labeller.scorer(
+                    features, choice_model=choice_model, charge=human_step_weight
+                )
+            results.append(
+                search(
+                    team_task.task, "anytime", time_limit_s=limit_s, gap=gap, on_better=on_better, **options
+                )
+            )
+    charged = (human_model, human_step_weight) if human_model else None
+    return _team_plan(team_task, results, labeller, alpha, charged)
 
 
 def plan_as_in_paper(
@@ -225,25 +253,35 @@ def check_alpha(alpha: float) -> float:
 
 
 def _team_plan(
-    team_task: TeamTask, results: Sequence[SearchResult], labeller: "Labeller | None", alpha: float = 0.0
+    team_task: TeamTask,
+    results: Sequence[SearchResult],
+    labeller: "Labeller | None",
+    alpha: float = 0.0,
+    charged: "tuple[HumanModel, float] | None" = None,
 ) -> TeamPlan:
     """Choose the best of several searches' plans by ``J``."""
-    chosen: tuple[float, JointPlan, LabelledPlan | None] | None = None
+    chosen: tuple[float, JointPlan, LabelledPlan | None, PredictedSteps | None] | None = None
     for result in reversed(results):
         if result.operators is not None:
             actions = tuple(team_task.task.action(operator) for operator in result.operators)
             plan = joint_plan(team_task, actions, sum(map(team_task.task.cost, result.operators)))
             labelled = labeller.label(team_task, actions) if labeller else None
             value = objective(plan, labelled, alpha)
+            predicted = None
+            if charged is not None:
+                human_model, weight = charged
+                predicted = human_model.predict(team_task, actions)
+                value += weight * predicted.surprise if weight else 0.0
             if chosen is None or value < chosen[0]:
-                chosen = (value, plan, labelled)
+                chosen = (value, plan, labelled, predicted)
         if result.is_optimal:
             break
-    best, found, labels = chosen or (None, None, None)
+    best, found, labels, predicted = chosen or (None, None, None, None)
     return TeamPlan(
         outcome=Outcome.SOLVED if found else results[0].outcome,
         plan=found,
         labelled=labels,
+        predicted=predicted,
         objective=best,
         lower_bound=results[-1].lower_bound if best is None else min(results[-1].lower_bound, best),
         evaluations=sum(result.evaluations for result in results),

@@ -12,24 +12,19 @@ The probability of a human step is the product of the two; ``F_human`` is its me
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
 from explicable.errors import UsageError
 from explicable.model.grounding import ground_team
 from explicable.model.problem import GroundAtom
-from explicable.model.task import State
-from explicable.planning.beliefs import applicable_operator, watch
-from explicable.planning.observer import CostToGo
 
 if TYPE_CHECKING:
     from explicable.labelling import Trace
     from explicable.labelling.choices import ChoiceModel
     from explicable.labelling.features import TeamFeatures
     from explicable.model.team import TeamTask
-
-Alternative = dict[str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +35,13 @@ class PredictedSteps:
     ----------
     probabilities
         Of each human step; None for robots' steps.
+    surprise
+        ``-log p`` of all that the plan makes the person do, waiting included, in nats: what a plan is charged
+        for (`explicable.planning.plan_explicably`).
     """
 
     probabilities: tuple[float | None, ...]
+    surprise: float
 
     @property
     def f_human(self) -> float | None:
@@ -103,15 +102,16 @@ class HumanModel:
         """
         from explicable.labelling.choices import ChoiceModel
         from explicable.labelling.features import TeamFeatures
+        from explicable.labelling.situations import situations
 
-        walks: dict[int, _Situations] = {}
-        choice_sets: list[list[Alternative]] = []
+        teams: dict[int, TeamFeatures] = {}
+        choice_sets: list[Sequence[Mapping[str, float]]] = []
         chosen: list[int] = []
         has_human_step = False
         for trace in (traces := list(traces)):
-            if id(trace.problem) not in walks:
-                walks[id(trace.problem)] = _Situations(TeamFeatures(ground_team(trace.problem)))
-            for situation in walks[id(trace.problem)].walk(trace.actions):
+            if id(trace.problem) not in teams:
+                teams[id(trace.problem)] = TeamFeatures(ground_team(trace.problem))
+            for situation in situations(teams[id(trace.problem)], trace.actions):
                 choice_sets.append(situation.turn)
                 chosen.append(int(situation.step is not None))
                 if situation.step is not None:
@@ -131,122 +131,21 @@ class HumanModel:
             If a step is not applicable.
         """
         from explicable.labelling.features import TeamFeatures
+        from explicable.labelling.situations import situations
 
         features = team if isinstance(team, TeamFeatures) else TeamFeatures(team)
         probabilities: list[float | None] = [None] * len(actions)
-        for situation in _Situations(features).walk(actions):
-            if situation.step is not None:
-                acts, which = self.model.predict_probabilities([situation.turn, situation.options])
-                probabilities[situation.number] = float(acts[1] * which[situation.step])
-        return PredictedSteps(tuple(probabilities))
-
-
-@dataclass(frozen=True, slots=True)
-class _Situation:
-    """A point of a plan at which the person can act.
-
-    Parameters
-    ----------
-    number
-        Of the step that follows.
-    turn
-        Features of waiting and of acting.
-    options
-        Features of the human steps possible.
-    step
-        Which of them follows; None if the person waits.
-    """
-
-    number: int
-    turn: list[Alternative]
-    options: list[Alternative]
-    step: int | None
-
-
-class _Situations:
-    """Finds the situations of plans of one task, and remembers what fulfilling requests costs."""
-
-    def __init__(self, features: "TeamFeatures") -> None:
-        self.features = features
-        self.team = features.team
-        self.tables = features.tables
-        self._fulfilling = self._find_fulfilling()
-        self._costs: dict[tuple[int, ...], CostToGo] = {}
-
-    def walk(self, actions: Sequence[GroundAtom]) -> Iterator[_Situation]:
-        """Yield every situation of a plan in which some human step is possible."""
-        task, tables = self.team.task, self.tables
-        execution = task.execute(actions)
-        believed = watch(self.team, actions).states
-        waiting: list[int] = []  # requests not yet fulfilled nor withdrawn
-        asked_before: set[int] = set()
-        for number, operator in enumerate(execution.operators):
-            state = execution.states[number]
-            waiting = [r for r in waiting if self.features.stands(r, state)]
-            possible = {
-                task.action(o): o for o in task.applicable(state) if task.action(o) and tables.is_human(o)
-            }
-            step = list(possible).index(actions[number]) if tables.is_human(operator) else None
-            if possible:
-                turn: list[Alternative] = [{f"waits, {'a request' if waiting else 'nothing'} open": 1.0}, {}]
-                options = self._options(possible.values(), believed[number], waiting, asked_before)
-                yield _Situation(number, turn, options, step)
-            if tables.is_human(operator):
-                asked = tables.asks_for(operator)
-                if asked >= 0:
-                    waiting = [*(r for r in waiting if r != asked), asked]
-                    asked_before.add(asked)
+        surprise = 0.0
+        for situation in situations(features, actions):
+            turn, which = self.model.predict_probabilities([situation.turn, situation.options])
+            if situation.step is None:
+                surprise += _nats(turn[0])
             else:
-                waiting = [r for r in waiting if r not in tables.fulfils(operator)]
+                probability = float(turn[1] * which[situation.step])
+                probabilities[situation.number] = probability
+                surprise += _nats(turn[1]) + _nats(which[situation.step])
+        return PredictedSteps(tuple(probabilities), surprise)
 
-    def _options(
-        self, operators: Iterable[int], believed: State, waiting: Sequence[int], asked_before: set[int]
-    ) -> list[Alternative]:
-        """Return the features of human steps, in the light of what the person believes."""
-        rows = []
-        for operator in operators:
-            asked = self.tables.asks_for(operator)
-            rows.append((asked, self._cost(operator, asked, believed) if asked >= 0 else math.inf))
-        ranks = sorted({cost for asked, cost in rows if asked >= 0 and cost < math.inf})
-        options: list[Alternative] = []
-        for asked, cost in rows:
-            option: Alternative = {}
-            if asked < 0:
-                option["asks for nothing"] = 1.0
-            elif cost == math.inf:
-                option["asks for what seems impossible"] = 1.0
-            else:
-                option["rank of the distance"] = float(ranks.index(cost))
-                option["asks for the nearest"] = float(cost == ranks[0])
-            if asked in waiting:
-                option["repeats an open request"] = 1.0
-            elif asked in asked_before:
-                option["asks again"] = 1.0
-            options.append(option)
-        return options
 
-    def _cost(self, operator: int, request: int, believed: State) -> float:
-        """Return what it costs to fulfil a request from where the person believes things to stand."""
-        mental = self.team.mental
-        asking = applicable_operator(mental, believed, self.team.task.action(operator))
-        state = believed if asking is None else mental.successor(believed, asking)
-        least = math.inf
-        for needs, cost in self._fulfilling.get(request, ()):
-            if needs not in self._costs:
-                self._costs[needs] = CostToGo(replace(mental, goal=needs, goal_reachable=True))
-            least = min(least, cost + self._costs[needs](state))
-        return least
-
-    def _find_fulfilling(self) -> dict[int, set[tuple[tuple[int, ...], int]]]:
-        """For each request: what the mental model's steps that fulfil it need, and their cost."""
-        task, mental, tables = self.team.task, self.team.mental, self.tables
-        found: dict[int, set[tuple[tuple[int, ...], int]]] = {}
-        for operator in range(task.num_operators):
-            action = task.action(operator)
-            if action and not tables.is_human(operator):
-                for request in tables.fulfils(operator):
-                    found.setdefault(request, set()).update(
-                        (tuple(mental.core.preconditions(o)), mental.cost(o))
-                        for o in mental.operators_of(action)
-                    )
-        return found
+def _nats(probability: float) -> float:
+    return -math.log(probability) if probability > 0 else math.inf

@@ -1,24 +1,24 @@
-"""Conform or explain: plan as the person expects, or tell them something first, whichever is cheaper.
+"""Conform or explain: plan as the person expects, or tell them something on the way, whichever is cheaper.
 
-Balancing the two in one objective follows Chakraborti, Sreedharan & Kambhampati, "Balancing explicability and
-explanations in human-aware planning" (IJCAI 2019), with the labeller in the place of optimality. The labels
-of a plan hang on the whole path and the mental model together, so telling is weighed plan by plan, not inside
-the search:
+Telling is a step of the plan with a cost of its own,
 
-    J(plan, told, t) = cost(plan) + alpha * E[number of inexplicable steps] + telling_cost * |told|,
+    J(plan) = cost(plan) + alpha * E[number of inexplicable steps] + telling_cost * number of differences told,
 
-where steps before t are labelled under the mental model as it was, the others under the corrected one.
+and each step is labelled under the mental model that the person has by then. Balancing the two in one objective
+follows Chakraborti, Sreedharan & Kambhampati, "Balancing explicability and explanations in human-aware
+planning" (IJCAI 2019), with the labeller in the place of optimality. What has been told is one more variable of
+the task (`explicable.labelling.knowing`), so that one search settles what to do, what to tell, and when.
 """
 
 import itertools
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from explicable.errors import UsageError
-from explicable.model.plan import JointPlan
+from explicable.model.plan import JointPlan, format_action
 from explicable.model.team import TeamTask
 from explicable.planning.differences import Difference, find_differences
 from explicable.planning.explanation import explain, tell
@@ -27,8 +27,34 @@ from explicable.search import Outcome, search
 
 if TYPE_CHECKING:
     from explicable.labelling import Labeller
+    from explicable.labelling.features import TeamFeatures
+    from explicable.planning.predictions import HumanModel
 
-_AS_GOOD = 1e-9  # differences in an expected number of steps that are but rounding
+_AS_GOOD = 1e-9  # differences in J that are but rounding
+_MOST_SETS = 64  # for each of which the mental model is grounded and compiled
+
+
+@dataclass(frozen=True, slots=True)
+class Telling:
+    """A step of a plan by which a robot tells the person of one difference between the two models.
+
+    Attributes
+    ----------
+    before_step
+        It comes right before this step of the plan, counted from 0 without the tellings.
+    agent
+        The robot that tells: the one that acts next.
+    difference
+        What it tells.
+    """
+
+    before_step: int
+    agent: str
+    difference: Difference
+
+    def __str__(self) -> str:
+        words = str(self.difference).replace("(", "").replace(")", "")
+        return f"(tell {self.agent} {words})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,29 +66,45 @@ class ToldPlan:
     outcome
         Solved if there is a plan; else why there is none.
     plan
-        The joint plan; telling is none of its steps.
-    told
-        What the person is told; empty if conforming is cheaper.
-    before_step
-        The person is told right before this step, counted from 0; None if nothing is told.
+        The joint plan without the tellings, as the composite task executes it.
+    tellings
+        What the person is told, in order; empty if conforming is cheaper.
     probabilities
-        Of each step: that it is expected, given what the person knows by then.
+        Of each step of ``plan``: that it is expected, given what the person knows by then.
     objective
         J, telling included.
+    lower_bound
+        No plan has a lower J, among those that tell what was tried; 0 if nothing is known.
     objective_untold
         J of the best plan found without telling.
     is_complete
-        Whether all sets up to the size allowed were tried, but for those that cost too much by themselves.
+        Whether all sets of differences up to the size allowed could be told, but for those too dear to pay.
     """
 
     outcome: Outcome
     plan: JointPlan | None
-    told: tuple[Difference, ...]
-    before_step: int | None
+    tellings: tuple[Telling, ...]
     probabilities: tuple[float, ...]
     objective: float | None
+    lower_bound: float
     objective_untold: float | None
     is_complete: bool
+
+    @property
+    def told(self) -> tuple[Difference, ...]:
+        """What the person is told, in order."""
+        return tuple(telling.difference for telling in self.tellings)
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The steps as text, tellings among them."""
+        if self.plan is None:
+            return ()
+        lines: list[str] = []
+        for number, action in enumerate((*self.plan.actions, None)):
+            lines += [str(telling) for telling in self.tellings if telling.before_step == number]
+            lines += [format_action(action)] if action else []
+        return tuple(lines)
 
 
 def conform_or_explain(
@@ -72,21 +114,19 @@ def conform_or_explain(
     alpha: float = 1.0,
     telling_cost: float = 1.0,
     max_told: int = 2,
-    improve_s: float = 0.2,
+    improve_s: float = 1.0,
     time_limit_s: float = 10.0,
+    human_model: "HumanModel | None" = None,
+    human_step_weight: float = 0.0,
     seed: int = 0,
 ) -> ToldPlan:
-    """Find the cheapest of plans that conform to what the person expects, or that come with an explanation.
+    """Find the cheapest of plans that conform to what the person expects, or that tell them something.
 
-    Plans without telling come first: the best explicable one and the cheapest. Then sets of differences
-    between the two models are tried: those that explain the unexpected steps of these plans, one by one and
-    all together, whatever their size; then all others in the order of size up to ``max_told``. For each set a
-    plan is made for the person so corrected, and that plan, with and without telling, and those before are
-    weighed. A set is left out if its telling alone, with the least that any plan costs, is no better than
-    what was found.
-
-    Everything is told at one time, the latest that makes J no worse. What is returned is the best of what was
-    tried: `is_complete` does not mean that no better plan exists for a set that was tried.
+    The best explicable plan without telling comes first. What can be told are all differences between the two
+    models; where their sets are too many (more than 64), those come first that explain unexpected steps of
+    that plan and of the cheapest one. A set is left out if its telling alone, with the least that any plan
+    costs, is no better than the plan without telling. Then one anytime search goes over plans and what is told
+    in them together: on small tasks its answer is proved best.
 
     Parameters
     ----------
@@ -95,11 +135,13 @@ def conform_or_explain(
     telling_cost
         Price of telling one difference, in the unit of cost.
     max_told
-        Largest set of differences, but for sets that explain a plan.
+        Largest number of differences that a plan tells.
     improve_s
-        Seconds for the improvement of each plan.
+        Seconds for the improvement of the plan without telling, and of that with it.
     time_limit_s
-        Seconds after which no further set is tried.
+        Seconds for it all; half of them at most to prepare what can be told.
+    human_model, human_step_weight
+        As in `plan_explicably`.
     seed
         Of the searches.
 
@@ -121,49 +163,53 @@ def conform_or_explain(
     >>> labeller = Labeller(ConditionalRandomField.from_weights([True, False], *weights), schemas=["move"])
     >>> team_task = ground_team(encode(World(("@x*", "...")), "exclusive"))
     >>> result = conform_or_explain(team_task, labeller, alpha=20.0, telling_cost=0.5)
-    >>> [str(difference) for difference in result.told]
-    ['(clear c-0-1) does not hold']
+    >>> print(*result.lines[:3], sep="; ")
+    (command person c-0-2); (tell r1 clear c-0-1 does not hold); (move r1 c-0-0 c-1-0)
     """
     check_alpha(alpha)
     if not math.isfinite(telling_cost) or telling_cost < 0 or max_told < 0:
         raise UsageError("the cost of telling must be finite, and neither it nor the size of a set negative")
     deadline = time.monotonic() + time_limit_s
     plain = plan_explicably(
-        team_task, labeller, alpha=alpha, improve_s=improve_s, time_limit_s=time_limit_s, seed=seed
+        team_task,
+        labeller,
+        alpha=alpha,
+        improve_s=improve_s,
+        time_limit_s=time_limit_s,
+        human_model=human_model,
+        human_step_weight=human_step_weight,
+        seed=seed,
     )
-    if plain.plan is None:
-        return ToldPlan(plain.outcome, None, (), None, (), None, None, is_complete=True)
+    if plain.plan is None or plain.labelled is None or plain.objective is None:
+        return ToldPlan(plain.outcome, None, (), (), None, 0.0, None, is_complete=True)
+    weighed = _Weighed(plain.plan, (), plain.labelled.probabilities, plain.objective)
     cheapest = search(team_task.task, "anytime", time_limit_s=improve_s, seed=seed)
-    plans = [plain.plan]
-    if cheapest.operators is not None and cheapest.cost is not None:
-        actions = tuple(map(team_task.task.action, cheapest.operators))
-        plans.append(joint_plan(team_task, actions, cheapest.cost))
-
-    scales = _Scales(team_task, labeller, alpha, telling_cost)
-    untold = best = min((scales.weigh(plan, (), team_task) for plan in plans), key=_objective)
-    is_complete = True
-    for told in _sets(team_task, labeller, plans, max_told, deadline):
-        if cheapest.lower_bound + telling_cost * len(told) >= best.objective:
-            continue
-        if time.monotonic() > deadline:
-            is_complete = False
-            break
-        corrected = tell(team_task, told)
-        planned = plan_explicably(
-            corrected, labeller, alpha=alpha, improve_s=improve_s, time_limit_s=time_limit_s, seed=seed
-        )
-        if planned.plan is not None and planned.plan not in plans:
-            plans.append(planned.plan)  # it may be better than all before, even for one who is told nothing
-            untold = min(untold, scales.weigh(planned.plan, (), team_task), key=_objective)
-        best = min((best, untold, *(scales.weigh(plan, told, corrected) for plan in plans)), key=_objective)
+    affordable = plain.objective - cheapest.lower_bound
+    while max_told > 0 and telling_cost * max_told >= affordable:
+        max_told -= 1
+    plans = [plain.plan, *([] if cheapest.operators is None else [_plan_of(team_task, cheapest.operators)])]
+    left_s = deadline - time.monotonic()
+    candidates = _candidates(team_task, labeller, plans, max_told, left_s / 4)
+    people = _People(team_task, labeller, candidates)
+    is_complete = people.learn(max_told, deadline - left_s / 2)
+    told = people.plan(
+        alpha,
+        telling_cost,
+        time_limit_s=max(min(improve_s, deadline - time.monotonic()), 0.0),
+        human_model=human_model,
+        human_step_weight=human_step_weight,
+        seed=seed,
+    )
+    lower_bound = plain.lower_bound if max_told == 0 else people.lower_bound
+    best = told if told is not None and told.objective < weighed.objective - _AS_GOOD else weighed
     return ToldPlan(
         outcome=Outcome.SOLVED,
         plan=best.plan,
-        told=best.told,
-        before_step=best.before_step,
+        tellings=best.tellings,
         probabilities=best.probabilities,
         objective=best.objective,
-        objective_untold=untold.objective,
+        lower_bound=min(lower_bound, best.objective),
+        objective_untold=weighed.objective,
         is_complete=is_complete,
     )
 
@@ -171,83 +217,106 @@ def conform_or_explain(
 @dataclass(frozen=True, slots=True)
 class _Weighed:
     plan: JointPlan
-    told: tuple[Difference, ...]
-    before_step: int | None
+    tellings: tuple[Telling, ...]
     probabilities: tuple[float, ...]
     objective: float
 
 
-def _objective(weighed: _Weighed) -> float:
-    return weighed.objective
+class _People:
+    """The person, as they are and as they would be after being told one set of differences or another."""
 
-
-class _Scales:
-    """Weighs plans with what is told; remembers how they look to a person who is told nothing."""
-
-    def __init__(self, team_task: TeamTask, labeller: "Labeller", alpha: float, telling_cost: float) -> None:
+    def __init__(self, team_task: TeamTask, labeller: "Labeller", differences: Sequence[Difference]) -> None:
         self.team_task = team_task
         self.labeller = labeller
-        self.alpha = alpha
-        self.telling_cost = telling_cost
-        self._untold: dict[JointPlan, tuple[float, ...]] = {}
+        self.differences = differences
+        self.lower_bound = 0.0
+        self.knowing: dict[frozenset[int], TeamFeatures] = {frozenset(): labeller.features(team_task)}
 
-    def weigh(self, plan: JointPlan, told: tuple[Difference, ...], corrected: TeamTask) -> _Weighed:
-        """Return J of a plan with telling at the latest best time."""
-        if plan not in self._untold:
-            self._untold[plan] = self.labeller.label(self.team_task, plan.actions).probabilities
-        before = self._untold[plan]
-        if not told:
-            return _Weighed(plan, (), None, before, plan.cost + self.alpha * sum(1 - p for p in before))
-        after = self.labeller.label(corrected, plan.actions).probabilities
-        step, num_inexplicable = best_time(before, after)
-        value = plan.cost + self.alpha * num_inexplicable + self.telling_cost * len(told)
-        return _Weighed(plan, told, step, (*before[:step], *after[step:]), value)
+    def learn(self, max_told: int, deadline: float) -> bool:
+        """Prepare sets of differences, the smallest first; return whether all up to a size were."""
+        for size in range(1, min(max_told, len(self.differences)) + 1):
+            for told in itertools.combinations(range(len(self.differences)), size):
+                if len(self.knowing) >= _MOST_SETS or time.monotonic() > deadline:
+                    return False
+                corrected = tell(self.team_task, [self.differences[number] for number in told])
+                self.knowing[frozenset(told)] = self.labeller.features(corrected)
+        return True
+
+    def plan(
+        self,
+        alpha: float,
+        telling_cost: float,
+        *,
+        time_limit_s: float,
+        human_model: "HumanModel | None",
+        human_step_weight: float,
+        seed: int,
+    ) -> _Weighed | None:
+        """Search for the best plan that may tell."""
+        from explicable.labelling.knowing import telling_task, told_by
+
+        compiled = telling_task(
+            self.labeller,
+            self.knowing,
+            telling_cost,
+            choice_model=human_model.model if human_model else None,
+            charge=human_step_weight,
+        )
+        result = search(
+            compiled.task,
+            "anytime",
+            scorer=compiled.scorer,
+            alpha=alpha,
+            time_limit_s=time_limit_s,
+            seed=seed,
+        )
+        self.lower_bound = result.lower_bound
+        if result.operators is None or result.objective is None:
+            return None
+        told: list[int] = []
+        times: list[int] = []
+        operators: list[int] = []
+        watching: list[TeamFeatures] = []
+        for operator in result.operators:
+            thing = told_by(compiled.task.action(operator))
+            if thing is None:
+                operators.append(operator)
+                watching.append(self.knowing[frozenset(told)])
+            else:
+                told.append(thing)
+                times.append(len(operators))
+        plan = _plan_of(self.team_task, operators)
+        labelled = self.labeller.label(self.knowing[frozenset()], plan.actions, knowing=watching)
+        tellings = tuple(
+            Telling(time, self._teller(plan, time), self.differences[thing])
+            for time, thing in zip(times, told, strict=True)
+        )
+        return _Weighed(plan, tellings, labelled.probabilities, result.objective)
+
+    def _teller(self, plan: JointPlan, before_step: int) -> str:
+        """Return the robot that acts next, or acted last."""
+        robots = {agent.name for agent in self.team_task.problem.agents if agent.kind == "robot"}
+        turns = (*plan.steps[before_step:], *reversed(plan.steps[:before_step]))
+        return next((step.agent for step in turns if step.agent in robots), min(robots, default="robot"))
 
 
-def best_time(before: Sequence[float], after: Sequence[float]) -> tuple[int, float]:
-    """Return the latest best time to tell, and the expected number of inexplicable steps then.
-
-    Parameters
-    ----------
-    before, after
-        Of each step, the probability that it is expected by a person who was not told, and who was.
-
-    Examples
-    --------
-    >>> best_time([1.0, 0.25, 0.25, 1.0], [1.0, 0.75, 0.75, 1.0])
-    (1, 0.5)
-    """
-    num_steps = len(before)
-    totals = [
-        sum(1 - p for p in before[:step]) + sum(1 - p for p in after[step:]) for step in range(num_steps + 1)
-    ]
-    least = min(totals)
-    latest = max(step for step in range(num_steps + 1) if totals[step] <= least + _AS_GOOD)
-    return latest, totals[latest]
+def _plan_of(team_task: TeamTask, operators: Sequence[int]) -> JointPlan:
+    task = team_task.task
+    return joint_plan(team_task, tuple(map(task.action, operators)), sum(map(task.cost, operators)))
 
 
-def _sets(
-    team_task: TeamTask,
-    labeller: "Labeller",
-    plans: Sequence[JointPlan],
-    max_told: int,
-    deadline: float,
-) -> Iterator[tuple[Difference, ...]]:
-    """Yield each set of differences once: those that explain the plans' steps, then all by size."""
-    seen: set[frozenset[Difference]] = {frozenset()}
-
-    def fresh(told: tuple[Difference, ...]) -> bool:
-        is_new = frozenset(told) not in seen
-        seen.add(frozenset(told))
-        return is_new
-
-    if max_told == 0:
-        return
-    for plan in tuple(plans):
-        left_s = max(deadline - time.monotonic(), 0.0) / 2
-        steps = explain(team_task, labeller, plan.actions, max_told=max_told, time_limit_s=left_s)
-        together = tuple(dict.fromkeys(difference for step in steps for difference in step.told))
-        yield from filter(fresh, (*(step.told for step in steps), together))
+def _candidates(
+    team_task: TeamTask, labeller: "Labeller", plans: Sequence[JointPlan], max_told: int, time_limit_s: float
+) -> list[Difference]:
+    """Order what can be told: where that is too much to try all, what explains the plans' steps comes first."""
     differences = find_differences(team_task.problem)
-    for size in range(1, min(max_told, len(differences)) + 1):
-        yield from filter(fresh, itertools.combinations(differences, size))
+    num_sets = sum(math.comb(len(differences), size) for size in range(max_told + 1))
+    if max_told == 0 or num_sets <= _MOST_SETS:
+        return list(differences)
+    explaining: dict[Difference, None] = {}
+    for plan in plans:
+        steps = explain(
+            team_task, labeller, plan.actions, max_told=max_told, time_limit_s=time_limit_s / len(plans)
+        )
+        explaining.update(dict.fromkeys(difference for step in steps for difference in step.told))
+    return [*explaining, *(difference for difference in differences if difference not in explaining)]

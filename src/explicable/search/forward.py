@@ -1,7 +1,7 @@
 """One function for all forward searches."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Literal
 
 from explicable import _core
@@ -37,6 +37,7 @@ def search(
     alpha: float = 0.0,
     distance: Distance = "count",
     gap: float = 0.0,
+    on_better: Callable[[float], None] | None = None,
 ) -> SearchResult:
     """Search for a plan.
 
@@ -94,6 +95,8 @@ def search(
     gap
         Of ``"anytime"`` with a scorer: enough is proved once no plan can be better by more than this share of
         the objective. 0: until the best plan is proved.
+    on_better
+        Of ``"anytime"`` with a scorer: called with the objective of each plan better than all before.
 
     Returns
     -------
@@ -152,6 +155,7 @@ def search(
             alpha=alpha,
             ratio=distance == "ratio",
             gap=gap,
+            on_better=on_better,
             time_limit_s=math.inf if time_limit_s is None else time_limit_s,
             memory_limit_bytes=memory_limit_bytes,
             max_evaluations=max_evaluations,
