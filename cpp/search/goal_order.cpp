@@ -51,7 +51,7 @@ std::optional<GoalOrder::Parts> GoalOrder::serialise(const std::vector<FactId>& 
     Parts parts(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(num_kept));
     for (std::size_t i = num_kept; i < order.size(); ++i) {
         const State& start = i == 0 ? question_.initial : parts.back().after;
-        const Question part{question_.task, question_.successors, start, {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(i) + 1}};
+        const Question part(question_.prepared, start, {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(i) + 1});
         std::vector<OperatorId> steps;
         if (!part.is_goal(start)) {
             HillClimbing climbing(part, labelled_, seed_);

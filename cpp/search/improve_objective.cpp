@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 
+#include "search/beam.hpp"
 #include "search/best_first.hpp"
 #include "search/goal_order.hpp"
 #include "search/hill_climbing.hpp"
@@ -19,7 +20,8 @@ constexpr std::int32_t small_task = 400;             // facts and operators
 constexpr double worthwhile = 1e-3;                  // share of J for which a neighbourhood is looked at again
 constexpr std::int32_t small_neighbourhood = 2'000;  // states
 constexpr std::int32_t neighbourhoods[] = {small_neighbourhood, 8'000, 32'000, 128'000};
-constexpr std::int64_t slice_near = 200'000, slice_far = 50'000;  // evaluations
+constexpr std::size_t beam_widths[] = {30, 60, 120, 400};
+constexpr std::int64_t slice_far = 50'000;  // evaluations
 
 class Improvement {
 public:
@@ -35,7 +37,7 @@ public:
         try_quick_searches();
         // In a small task all states can be listed soon; in a large one hardly ever.
         const bool is_small = question_.task.num_facts() + question_.task.num_operators() <= small_task;
-        if (!settle(best_, small_neighbourhood) || (!is_small && !look_around())) return;
+        if (!settle(best_, is_small ? small_neighbourhood : neighbourhoods[1]) || (!is_small && !look_around())) return;
         Outlook outlook = make_outlook();
         if (!outlook.prepare(monitor_, best_.objective - rounding, offer(best_))) return;
         answer.lower_bound = std::min(outlook.from_start(), best_.objective);
@@ -83,20 +85,19 @@ private:
         }
     }
 
-    // Goes to the best plan among states near the present one, again and again, with more and more states. That is plan
-    // neighbourhood graph search (Nakhost & Mueller 2010) with J in the place of the cost, which hangs on the whole path: in
-    // the neighbourhood costs-to-go are exact, so that A* can find the path. False if the monitor stopped.
+    // Goes to the best plan that a beam finds among states near the present one, again and again, with more and more states.
+    // That is plan neighbourhood graph search (Nakhost & Mueller 2010) with J, which hangs on the whole path, in the place of the
+    // cost; in the neighbourhood costs-to-go are exact. False if the monitor stopped.
     bool settle(Incumbent& best, std::int32_t largest) {
         for (std::size_t size = 0; size < std::size(neighbourhoods) && neighbourhoods[size] <= largest;) {
             const double before = best.objective;
-            Outlook near = make_outlook();
+            Outlook near(question_, nullptr, best.alpha);
             if (!near.prepare_near(monitor_, *best.plan, neighbourhoods[size], best.objective - rounding, offer(best)))
                 return false;
-            ObjectiveSearch search(question_, best, closing_, near, near.is_complete() ? 1.0 : 2.0);
-            if (search.run(monitor_, slice_near, 0.0, best) == Status::stopped) return false;
+            if (!search_beam(question_, closing_, near, beam_widths[size], monitor_, best)) return false;
             if (best.objective > (1.0 - worthwhile) * before) ++size;
         }
-        return true;
+        return monitor_.stop() == Stop::none;
     }
 
     // Other orders of the goals, and then near the best plan.

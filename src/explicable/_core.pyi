@@ -245,7 +245,7 @@ class HumanChoices:
         predicates: list[int],
         objects: list[int],
     ) -> None: ...
-    def options(self, state: bytes, open: list[int]) -> list[tuple[int, int, bool, int, bool]]:
+    def options(self, state: bytes, requests: list[int]) -> list[tuple[int, int, bool, int, bool]]:
         """List (operator, request or -1, whether there seems to be a way, its rank, whether it is open)."""
 
 class Scorer(PathScorer):

@@ -14,6 +14,7 @@ from explicable.cli.files import (
     naming_plan,
     team_problem_arguments,
 )
+from explicable.cli.prices import HumanSteps, human_step_options
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
@@ -93,6 +94,7 @@ def describe_step(step: "StepExplanation") -> dict[str, Any]:
 @click.option(
     "--telling-cost", type=float, default=1.0, show_default=True, help="Price of telling one difference."
 )
+@human_step_options
 @click.option(
     "--max-told",
     type=click.IntRange(min=0),
@@ -111,6 +113,7 @@ def tell(
     labeller_file: Path,
     alpha: float,
     telling_cost: float,
+    human_steps: HumanSteps,
     max_told: int,
     time_limit: float,
     seed: int,
@@ -119,10 +122,8 @@ def tell(
 ) -> int:
     """Plan as the person expects, or tell them what they don't know: whichever is cheaper.
 
-    What to tell stands in the plan as a comment, before the step at which it is due.
+    What to tell is a step of the plan, which names the robot that tells.
     """
-    from explicable.cli.plan import exit_code
-    from explicable.model.files import write_whole
     from explicable.planning import conform_or_explain
 
     team_task = paths.ground()
@@ -134,9 +135,19 @@ def tell(
         telling_cost=telling_cost,
         max_told=max_told,
         time_limit_s=time_limit,
+        human_model=human_steps.model(),
+        human_step_weight=human_steps.weight,
         seed=seed,
     )
-    text = format_told(result)
+    return print_told(result, output, as_json=as_json)
+
+
+def print_told(result: "ToldPlan", output: Path | None, *, as_json: bool) -> int:
+    """Print a plan that may tell, or write it to a file; return the exit code."""
+    from explicable.cli.plan import exit_code
+    from explicable.model.files import write_whole
+
+    text = "\n".join([*result.lines, f"; cost = {result.plan.cost}"]) + "\n" if result.plan else ""
     if output and text:
         write_whole(output, text)
     if as_json:
@@ -148,18 +159,6 @@ def tell(
     return exit_code(result)
 
 
-def format_told(result: "ToldPlan") -> str:
-    """The plan in the competition's format, with comments for what is told; empty if there is none."""
-    if result.plan is None:
-        return ""
-    lines = [format_action(action) for action in result.plan.actions]
-    if result.before_step is not None:
-        lines[result.before_step : result.before_step] = [
-            f"; tell: {difference}" for difference in result.told
-        ]
-    return "\n".join([*lines, f"; cost = {result.plan.cost}"]) + "\n"
-
-
 def describe_told(result: "ToldPlan") -> dict[str, Any]:
     """The object that `tell --json` prints."""
     plan = result.plan
@@ -168,10 +167,14 @@ def describe_told(result: "ToldPlan") -> dict[str, Any]:
         "plan": None if plan is None else [format_action(action) for action in plan.actions],
         "agents": None if plan is None else [step.agent for step in plan.steps],
         "cost": None if plan is None else plan.cost,
-        "told": [str(difference) for difference in result.told],
-        "before_step": result.before_step,
+        "lines": result.lines,
+        "told": [
+            {"before_step": t.before_step, "agent": t.agent, "difference": str(t.difference)}
+            for t in result.tellings
+        ],
         "probabilities": result.probabilities,
         "objective": result.objective,
+        "lower_bound": result.lower_bound,
         "objective_untold": result.objective_untold,
         "is_complete": result.is_complete,
     }

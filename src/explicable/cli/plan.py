@@ -8,6 +8,7 @@ import click
 
 from explicable.cli import EXIT_INTERRUPTED, EXIT_LIMIT, EXIT_UNSOLVABLE
 from explicable.cli.budgets import Budget, budget_options
+from explicable.cli.explain import print_told
 from explicable.cli.files import (
     INPUT_FILE,
     MEMORY_SIZE,
@@ -17,6 +18,7 @@ from explicable.cli.files import (
     team_problem_arguments,
     warn_of_hopeless,
 )
+from explicable.cli.prices import HumanSteps, human_step_options, improvement_options, show_progress
 
 if TYPE_CHECKING:
     from explicable.planning import TeamPlan, ToldPlan
@@ -45,6 +47,13 @@ SCORES = ("f_paper", "f_robot", "f_expected")
 )
 @click.option("--alpha", type=float, help="Price of one inexplicable step in the unit of cost. Default: 1.")
 @budget_options
+@human_step_options
+@click.option(
+    "--telling-cost",
+    type=click.FloatRange(min=0),
+    help="Let the plan tell the person what they don't know, at this price for each thing (see `tell`).",
+)
+@improvement_options
 @click.option(
     "--search",
     "algorithm",
@@ -72,6 +81,10 @@ def plan(
     mode: str,
     alpha: float | None,
     budget: Budget | None,
+    human_steps: HumanSteps,
+    telling_cost: float | None,
+    improve_time: float,
+    gap: float,
     algorithm: "Algorithm | None",
     time_limit: float | None,
     memory_limit: int | None,
@@ -88,16 +101,29 @@ def plan(
     from explicable.model.files import write_whole
     from explicable.model.grounding import ground_team
     from explicable.model.plan import format_plan
-    from explicable.planning import check_alpha, plan_as_in_paper, plan_classically, plan_explicably
+    from explicable.planning import (
+        check_alpha,
+        conform_or_explain,
+        plan_as_in_paper,
+        plan_classically,
+        plan_explicably,
+        plan_within_budget,
+    )
 
-    check_alpha(1.0 if alpha is None else alpha)
+    price = check_alpha(1.0 if alpha is None else alpha)
     is_plain = labeller_file is None or planner == "ff"
     if planner == "explicable" and labeller_file is None:
         raise click.UsageError(
             "explicable planning needs a labeller: --labeller FILE (see `explicable train`)"
         )
-    if mode == "paper" and (is_plain or algorithm is not None):
-        raise click.UsageError("--mode paper plans with a labeller, and settles the search itself")
+    is_priced = human_steps.weight > 0 or telling_cost is not None
+    _refuse(
+        is_plain=is_plain,
+        is_paper=mode == "paper",
+        is_priced=is_priced,
+        has_budget=budget is not None,
+        has_search=algorithm is not None,
+    )
     if budget is not None:
         _check_budget(
             settled=is_plain or mode == "paper" or alpha is not None or algorithm is not None,
@@ -122,12 +148,33 @@ def plan(
     elif mode == "paper":
         result = plan_as_in_paper(team_task, labeller, **limits)
     elif budget is not None:
-        from explicable.planning import plan_within_budget
-
         result = plan_within_budget(team_task, labeller, **budget, time_limit_s=time_limit, seed=seed)
+    elif telling_cost is not None:
+        told = conform_or_explain(
+            team_task,
+            labeller,
+            alpha=price,
+            telling_cost=telling_cost,
+            improve_s=improve_time,
+            time_limit_s=10.0 if time_limit is None else time_limit,
+            human_model=human_steps.model(),
+            human_step_weight=human_steps.weight,
+            seed=seed,
+        )
+        return print_told(told, output, as_json=as_json)
     else:
-        price = 1.0 if alpha is None else alpha
-        result = plan_explicably(team_task, labeller, alpha=price, algorithm=algorithm or "default", **limits)
+        result = plan_explicably(
+            team_task,
+            labeller,
+            alpha=price,
+            algorithm=algorithm or "default",
+            improve_s=improve_time,
+            gap=gap,
+            human_model=human_steps.model(),
+            human_step_weight=human_steps.weight,
+            on_better=show_progress(),
+            **limits,
+        )
     text = format_plan(result.plan.actions, result.plan.cost) if result.plan else None
     if output and text:
         write_whole(output, text)
@@ -142,6 +189,17 @@ def plan(
     else:
         click.echo(f"no plan: {_reason(result, budget)}", err=True)
     return exit_code(result)
+
+
+def _refuse(*, is_plain: bool, is_paper: bool, is_priced: bool, has_budget: bool, has_search: bool) -> None:
+    """Refuse options that contradict each other."""
+    if is_paper and (is_plain or has_search):
+        raise click.UsageError("--mode paper plans with a labeller, and settles the search itself")
+    if is_priced and (is_plain or is_paper or has_budget):
+        raise click.UsageError(
+            "human steps and telling are charged in J: that needs a labeller, and neither --mode paper"
+            " nor a budget"
+        )
 
 
 class _Limits(TypedDict):
@@ -196,6 +254,8 @@ def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:
         "objective": result.objective,
         "lower_bound": result.lower_bound if result.lower_bound < float("inf") else None,
         "scores": scores,
+        "f_human": None if result.predicted is None else result.predicted.f_human,
+        "human_surprise": None if result.predicted is None else result.predicted.surprise,
         "evaluations": result.evaluations,
         "time": times,
     }

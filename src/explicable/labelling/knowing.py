@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from explicable.labelling.labeller import Labeller
 
 TELL = "tell "
-"""Begins the names of telling steps; the number of what is told follows. No action of PDDL has such a name."""
+"""Begins the names of telling steps, before the number of what is told; no action of PDDL has such a name."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -342,7 +342,14 @@ class Labeller:
                 "train it on lifted features instead"
             )
 
-    def _features(self, team: TeamTask | TeamFeatures) -> TeamFeatures:
+    def features(self, team: TeamTask | TeamFeatures) -> TeamFeatures:
+        """Return what the labeller sees of a task: to be made once for all that is asked about it.
+
+        Raises
+        ------
+        LabellerError
+            If it was trained on another domain.
+        """
         features = team if isinstance(team, TeamFeatures) else TeamFeatures(team)
         self.check_domain(features.team.problem)
         return features

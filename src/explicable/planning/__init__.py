@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     )
     from explicable.planning.predictions import HumanModel, PredictedSteps
     from explicable.planning.ranking import RankedPlan, rank
-    from explicable.planning.telling import ToldPlan, conform_or_explain
+    from explicable.planning.telling import Telling, ToldPlan, conform_or_explain
 
 _HOMES = {
     "Comparison": "differences",
@@ -47,6 +47,7 @@ _HOMES = {
     "ScheduledPlan": "makespan",
     "StepExplanation": "explanation",
     "TeamPlan": "planner",
+    "Telling": "telling",
     "ToldPlan": "telling",
     "check_alpha": "planner",
     "choose": "budgets",
@@ -80,6 +81,7 @@ __all__ = [
     "ScheduledPlan",
     "StepExplanation",
     "TeamPlan",
+    "Telling",
     "ToldPlan",
     "check_alpha",
     "choose",

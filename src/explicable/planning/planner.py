@@ -37,8 +37,6 @@ class TeamPlan:
         The joint plan, if there is one.
     labelled
         The plan's steps with their predicted labels and all scores, if a labeller was given.
-    predicted
-        How plausible the plan's human steps are, if a model of the person's choices was given.
     objective
         ``J`` of the plan: its cost and, with regard to the person, ``alpha`` for each step expected to be
         inexplicable, and what is charged for human steps.
@@ -52,18 +50,20 @@ class TeamPlan:
         Price of one inexplicable step by which ``objective`` was reckoned.
     limit
         Which limit ended the search for a plan: ``"time"``, ``"memory"``, ``"evaluations"`` or None.
+    predicted
+        How plausible the plan's human steps are, if a model of the person's choices was given.
     """
 
     outcome: Outcome
     plan: JointPlan | None
     labelled: "LabelledPlan | None"
-    predicted: "PredictedSteps | None"
     objective: float | None
     lower_bound: float
     evaluations: int
     search_s: float
     alpha: float = 0.0
     limit: str | None = None
+    predicted: "PredictedSteps | None" = None
 
     def _repr_html_(self) -> str:
         """Let a notebook show the plan: its steps, and how probably each is expected."""
@@ -153,8 +153,8 @@ def plan_explicably(
     gap
         The improvement ends once no plan can have a ``J`` that is lower by more than this share.
     human_model, human_step_weight
-        What people choose, and what a plan is charged, in the unit of cost, for each nat of surprise at what it
-        makes the person do: ``J`` gains ``human_step_weight * -log P(the person's part | the robots' part)``,
+        What people choose, and what a plan is charged, in the unit of cost, for each nat of surprise at what
+        it makes the person do: ``J`` gains ``human_step_weight * -log P(the person's part | the robots')``,
         so that a plan can't look good by giving the person convenient orders (method page, section 2).
     on_better
         Called with ``J`` of each plan of the improvement that is better than all before.

@@ -2,12 +2,13 @@
 
 Telling is a step of the plan with a cost of its own,
 
-    J(plan) = cost(plan) + alpha * E[number of inexplicable steps] + telling_cost * number of differences told,
+    J = cost + alpha * E[number of inexplicable steps] + telling_cost * number of differences told,
 
-and each step is labelled under the mental model that the person has by then. Balancing the two in one objective
-follows Chakraborti, Sreedharan & Kambhampati, "Balancing explicability and explanations in human-aware
-planning" (IJCAI 2019), with the labeller in the place of optimality. What has been told is one more variable of
-the task (`explicable.labelling.knowing`), so that one search settles what to do, what to tell, and when.
+and each step is labelled under the mental model that the person has by then. Balancing the two in one
+objective follows Chakraborti, Sreedharan & Kambhampati, "Balancing explicability and explanations in
+human-aware planning" (IJCAI 2019), with the labeller in the place of optimality. What has been told is one
+more variable of the task (`explicable.labelling.knowing`), so that one search settles what to do, what to
+tell, and when.
 """
 
 import itertools
@@ -125,8 +126,8 @@ def conform_or_explain(
     The best explicable plan without telling comes first. What can be told are all differences between the two
     models; where their sets are too many (more than 64), those come first that explain unexpected steps of
     that plan and of the cheapest one. A set is left out if its telling alone, with the least that any plan
-    costs, is no better than the plan without telling. Then one anytime search goes over plans and what is told
-    in them together: on small tasks its answer is proved best.
+    costs, is no better than the plan without telling. Then one anytime search goes over plans and what is
+    told in them together: on small tasks its answer is proved best.
 
     Parameters
     ----------
@@ -276,22 +277,41 @@ class _People:
         told: list[int] = []
         times: list[int] = []
         operators: list[int] = []
-        watching: list[TeamFeatures] = []
         for operator in result.operators:
             thing = told_by(compiled.task.action(operator))
             if thing is None:
                 operators.append(operator)
-                watching.append(self.knowing[frozenset(told)])
             else:
                 told.append(thing)
                 times.append(len(operators))
         plan = _plan_of(self.team_task, operators)
-        labelled = self.labeller.label(self.knowing[frozenset()], plan.actions, knowing=watching)
+        if human_step_weight == 0:  # else what people do hangs on it too
+            self._wait(plan, told, times)
         tellings = tuple(
             Telling(time, self._teller(plan, time), self.differences[thing])
             for time, thing in zip(times, told, strict=True)
         )
-        return _Weighed(plan, tellings, labelled.probabilities, result.objective)
+        return _Weighed(plan, tellings, self._probabilities(plan, told, times), result.objective)
+
+    def _probabilities(self, plan: JointPlan, told: Sequence[int], times: Sequence[int]) -> tuple[float, ...]:
+        """Return how probably each step is expected, by one who is told some things before some steps."""
+        watching = [
+            self.knowing[frozenset(thing for thing, time in zip(told, times, strict=True) if time <= number)]
+            for number in range(len(plan))
+        ]
+        nobody = self.knowing[frozenset()]
+        return self.labeller.label(nobody, plan.actions, knowing=watching).probabilities
+
+    def _wait(self, plan: JointPlan, told: Sequence[int], times: list[int]) -> None:
+        """Put each telling off for as long as that is as good."""
+        most = sum(self._probabilities(plan, told, times))
+        for place in reversed(range(len(told))):
+            end = times[place + 1] if place + 1 < len(told) else len(plan) - 1
+            for time in range(end, times[place], -1):
+                later = [*times[:place], time, *times[place + 1 :]]
+                if sum(self._probabilities(plan, told, later)) >= most - _AS_GOOD:
+                    times[place] = time
+                    break
 
     def _teller(self, plan: JointPlan, before_step: int) -> str:
         """Return the robot that acts next, or acted last."""
@@ -308,7 +328,7 @@ def _plan_of(team_task: TeamTask, operators: Sequence[int]) -> JointPlan:
 def _candidates(
     team_task: TeamTask, labeller: "Labeller", plans: Sequence[JointPlan], max_told: int, time_limit_s: float
 ) -> list[Difference]:
-    """Order what can be told: where that is too much to try all, what explains the plans' steps comes first."""
+    """Order what can be told: where not all can be tried, what explains the plans' steps comes first."""
     differences = find_differences(team_task.problem)
     num_sets = sum(math.comb(len(differences), size) for size in range(max_told + 1))
     if max_told == 0 or num_sets <= _MOST_SETS:
