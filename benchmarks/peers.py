@@ -23,7 +23,6 @@ CRFSUITE = "crfsuite"
 PLAIN = "plain"
 LABELLED = "labelled"
 RATE_S = 3  # seconds that eager search may take
-MAP_FOR_LABELS = ("25", "8")  # cells a side, marks
 
 _FF = "let(hff, eval_modify_costs(ff(), cost_type=one), "
 _SEARCHES = {
@@ -110,8 +109,8 @@ class Peers:
         return [ours, self._fast_downward(FD_EAGER, plan=None, read=downward_statistics)]
 
     def labelled(self) -> list[Program]:
-        """Search on a map without and with a labeller."""
-        probes = (_probe(sys.executable, "labelled", *MAP_FOR_LABELS, answer) for answer in ("no", "yes"))
+        """Search without and with a labeller."""
+        probes = (_probe(sys.executable, "labelled", answer) for answer in ("no", "yes"))
         return [
             Program(n, (p,), plan=None, read=report) for n, p in zip((PLAIN, LABELLED), probes, strict=True)
         ]

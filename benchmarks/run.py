@@ -22,7 +22,7 @@ from measure import MIB, Limits
 from page import write_page
 from rich.progress import MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from solve import solve
-from tasks import GROUNDING_TASKS, RATE_TASKS, BenchmarkTask, growing, mixed, read_folder, small
+from tasks import GROUNDING_TASKS, RATE_TASKS, BenchmarkTask, growing, mixed, read_folder, small, with_labels
 
 from peers import FD_LAZY, HERE, OURS, Peers, Program
 
@@ -102,7 +102,7 @@ def run_experiment(bench: Bench, experiment: str, tasks: list[BenchmarkTask], fo
             programs = [p for p in bench.peers.planners() if p.name in {OURS, FD_LAZY}]
             bench.take_turns(experiment, bench.able(experiment, programs), growing(folder))
         case "labelled":
-            bench.take_turns(experiment, bench.peers.labelled(), [None])
+            bench.take_turns(experiment, bench.peers.labelled(), with_labels(folder, tasks))
         case "crf":
             patient = replace(bench, limits=replace(bench.limits, cpu_s=1200))
             patient.take_turns(experiment, bench.peers.trainers(), [None])

@@ -18,6 +18,16 @@ RATE_TASKS = (
 )
 GROUNDING_TASKS = ("zenotravel/p20", "rovers/p30")
 
+# Those on which search with a labeller is compared with search without, beside maps and a generated logistics task.
+LABELLED_TASKS = (
+    "rovers/p20",
+    "logistics00/probLOGISTICS-15-1",
+    "logistics98/prob05",
+    "depot/p07",
+    "depot/p13",
+)
+LABELLED_MAPS = ((6, 4), (12, 6), (25, 8), (50, 8))
+
 MAPS = ((6, 4), (12, 6), (25, 8), (50, 10), (100, 15), (200, 20), (200, 30))
 LARGE_MAP = "map/200x200-20"
 
@@ -67,6 +77,16 @@ def growing(folder: Path) -> list[BenchmarkTask]:
     tasks |= {f"gripper/{n}": generate.gripper(n) for n in (10, 40, 160, 640)}
     tasks |= {f"logistics/{n}": generate.logistics(n, 5, 5 * n, seed=1) for n in (2, 5, 10, 20)}
     return [_written(folder, name, texts) for name, texts in tasks.items()]
+
+
+def with_labels(folder: Path, tasks: list[BenchmarkTask]) -> list[BenchmarkTask]:
+    """Choose and make the tasks that are searched with a labeller."""
+    made = {_map_name(size, marks): generate.grid(size, size, marks) for size, marks in LABELLED_MAPS}
+    made["logistics/6"] = generate.logistics(6, 4, 18, seed=1)
+    return [
+        *(_written(folder, name, texts) for name, texts in made.items()),
+        *(task for task in tasks if task.name in LABELLED_TASKS),
+    ]
 
 
 def _map_name(size: int, marks: int) -> str:

@@ -113,15 +113,35 @@ def test_tell_puts_what_to_tell_into_the_plan(place):
     done = explicable(place, "tell", "labeller.json", *exclusive(options), *cheap)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
-    assert "; tell: (clear c-1-2) does not hold" in lines
+    assert "(tell r1 clear c-1-2 does not hold)" in lines
     assert parse_plan(done.stdout)[-1] == visit(1, 3)
     done = explicable(place, "tell", "labeller.json", *exclusive(options), *cheap, "--json")
     record = json.loads(done.stdout)
-    assert lines[record["before_step"]].startswith("; tell")
+    (told,) = record["told"]
+    assert lines[told["before_step"]].startswith("(tell r1 ")
+    same = explicable(place, "plan", *exclusive(options), "--labeller", "labeller.json", *cheap)
+    assert same.stdout.splitlines() == lines
     assert record["objective"] < record["objective_untold"]
     assert record["is_complete"]
     dear = explicable(place, "tell", "labeller.json", *exclusive(options), "--telling-cost", "99")
     assert "tell" not in dear.stdout
+
+
+def test_human_steps_are_charged_by_what_people_do(place):
+    plan = ["plan", *TEAM, *HUMAN, "--labeller", "labeller.json", "--json"]
+    charged = ["--charge-human-steps", "1", "--people", "people.jsonl"]
+    record = json.loads(explicable(place, *plan, *charged).stdout)
+    assert 0 < record["f_human"] <= 1
+    free = record["objective"] - record["human_surprise"]
+    assert free >= json.loads(explicable(place, *plan).stdout)["objective"] - 1e-9
+    assert record["lower_bound"] == pytest.approx(record["objective"])
+    for wrong in (
+        ["--charge-human-steps", "1"],
+        [*charged, "--mode", "paper"],
+        [*charged, "--planner", "ff"],
+    ):
+        done = explicable(place, *plan, *wrong)
+        assert (done.returncode, "labeller" in done.stderr or "--people" in done.stderr) == (2, True)
 
 
 def exclusive(arguments):

@@ -110,9 +110,7 @@ class Wrapped:
 @pytest.mark.parametrize("expected", [True, False])
 def test_a_labeller_in_python_plans_as_the_compiled_one_does(algorithm, closing, expected):
     team = floor("######\n#@x*.#\n#..o.#\n#*...#\n######\n")
-    compiled = judge_of_progress().scorer(
-        team, expected=expected, choice_model=NATURAL.model, charge=0.5
-    )
+    compiled = judge_of_progress().scorer(team, expected=expected, choice_model=NATURAL.model, charge=0.5)
     asked = CallbackScorer(team.task.core, Wrapped(compiled))
     if closing == "context" and algorithm != "ff":  # a labeller in Python gives no bounds to close by
         found = search(team.task, algorithm, scorer=asked, closing=closing)

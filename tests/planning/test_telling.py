@@ -1,4 +1,4 @@
-"""Conform or explain: the least J over plans that may tell, against enumeration; the extremes of the price."""
+"""Conform or explain: the least J over plans that may tell, against enumeration; extremes of the price."""
 
 import itertools
 import math
@@ -37,9 +37,8 @@ def least_objective(team, labeller, alpha, telling_cost, max_told):
                 after = task.successor(state, step)
                 extended = people[told].extend(context, step, state, after)
                 longer.append((after, extended, cost + task.cost(step), told))
-            for more in people:
-                if told < more and len(more) == len(told) + 1:
-                    longer.append((state, context, cost + telling_cost, more))
+            one_more = (more for more in people if told < more and len(more) == len(told) + 1)
+            longer += [(state, context, cost + telling_cost, more) for more in one_more]
         pending = [node for node in longer if node[2] < best]
         assert len(pending) < 300_000
     return best

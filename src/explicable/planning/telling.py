@@ -288,15 +288,17 @@ class _People:
         if human_step_weight == 0:  # else what people do hangs on it too
             self._wait(plan, told, times)
         tellings = tuple(
-            Telling(time, self._teller(plan, time), self.differences[thing])
-            for time, thing in zip(times, told, strict=True)
+            Telling(before, self._teller(plan, before), self.differences[thing])
+            for before, thing in zip(times, told, strict=True)
         )
         return _Weighed(plan, tellings, self._probabilities(plan, told, times), result.objective)
 
     def _probabilities(self, plan: JointPlan, told: Sequence[int], times: Sequence[int]) -> tuple[float, ...]:
         """Return how probably each step is expected, by one who is told some things before some steps."""
         watching = [
-            self.knowing[frozenset(thing for thing, time in zip(told, times, strict=True) if time <= number)]
+            self.knowing[
+                frozenset(thing for thing, before in zip(told, times, strict=True) if before <= number)
+            ]
             for number in range(len(plan))
         ]
         nobody = self.knowing[frozenset()]
@@ -307,10 +309,10 @@ class _People:
         most = sum(self._probabilities(plan, told, times))
         for place in reversed(range(len(told))):
             end = times[place + 1] if place + 1 < len(told) else len(plan) - 1
-            for time in range(end, times[place], -1):
-                later = [*times[:place], time, *times[place + 1 :]]
-                if sum(self._probabilities(plan, told, later)) >= most - _AS_GOOD:
-                    times[place] = time
+            for later in range(end, times[place], -1):
+                put_off = [*times[:place], later, *times[place + 1 :]]
+                if sum(self._probabilities(plan, told, put_off)) >= most - _AS_GOOD:
+                    times[place] = later
                     break
 
     def _teller(self, plan: JointPlan, before_step: int) -> str:
