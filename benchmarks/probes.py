@@ -72,7 +72,7 @@ def labelled(domain: Path, problem: Path, with_scorer: str) -> dict:
     The labeller learns from four plans of the task itself, whose labels are drawn at random: only its time
     counts here, and so every feature gets a weight.
     """
-    import random
+    import numpy as np
 
     from explicable.labelling import LabelledStep, Labeller, Trace
     from explicable.model.grounding import ground_team
@@ -84,12 +84,12 @@ def labelled(domain: Path, problem: Path, with_scorer: str) -> dict:
     team = ground_team(team_problem)
     scorer = None
     if with_scorer == "yes":
-        drawn = random.Random(0)
+        rng = np.random.default_rng(0)
         traces = []
         for seed in range(4):
             actions = map(team.task.action, search(team.task, seed=seed).operators or ())
             steps = [
-                LabelledStep(team_problem.agent_of(action).name, action, drawn.random() < 0.7)
+                LabelledStep(team_problem.agent_of(action).name, action, bool(rng.random() < 0.7))
                 for action in actions
             ]
             traces.append(Trace(team_problem, tuple(steps), "nobody", "simulated"))

@@ -18,7 +18,7 @@ RATE_TASKS = (
 )
 GROUNDING_TASKS = ("zenotravel/p20", "rovers/p30")
 
-# Those on which search with a labeller is compared with search without, beside maps and a generated logistics task.
+# On these, on maps and on a generated logistics task, search with a labeller is compared with search without.
 LABELLED_TASKS = (
     "rovers/p20",
     "logistics00/probLOGISTICS-15-1",
