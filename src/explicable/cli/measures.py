@@ -16,6 +16,7 @@ from explicable.cli.files import (
     naming_plan,
     team_problem_arguments,
 )
+from explicable.errors import TraceError, UsageError
 from explicable.model.plan import find_step, format_action, parse_plan
 
 if TYPE_CHECKING:
@@ -117,7 +118,12 @@ def _read_human_model(path: Path | None) -> "HumanModel | None":
     from explicable.labelling import read_traces
     from explicable.planning import HumanModel
 
-    return None if path is None else HumanModel.learn(read_traces(path))
+    if path is None:
+        return None
+    try:
+        return HumanModel.learn(read_traces(path))
+    except UsageError as error:
+        raise TraceError(str(error), path=path) from error
 
 
 def describe_measures(measures: "Measures") -> dict[str, Any]:
