@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import sqlalchemy as sql
 from sqlalchemy import Connection, Engine, Table, event
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
 from explicable.errors import InputError
 from explicable.study import schema as tables
-from explicable.study.writer import Writer
+from explicable.study.writer import UnavailableError, Writer
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -110,11 +110,11 @@ class Transaction:
         query = sql.select(sessions.c.id).where(sessions.c.seen < moment, sessions.c.stage.in_(stages))
         return list(self._connection.scalars(query))
 
-    def revision(self, session: str) -> int | None:
-        """Return how often a session has changed; None if there is no such session."""
-        query = sql.select(tables.SESSIONS.c.revision).where(tables.SESSIONS.c.id == session)
-        found = self._connection.scalar(query)
-        return None if found is None else int(found)
+    def changed_since(self, moment: float) -> list[tuple[str, int]]:
+        """Return the sessions, with their revisions, that were seen since a moment."""
+        sessions = tables.SESSIONS
+        query = sql.select(sessions.c.id, sessions.c.revision).where(sessions.c.seen >= moment)
+        return [(row[0], row[1]) for row in self._connection.execute(query)]
 
     def is_alive(self) -> bool:
         """Tell whether the database answers."""
@@ -159,8 +159,11 @@ class Store:
 
     def read(self, job: Callable[[Transaction], T]) -> T:
         """Run a job that only reads."""
-        with self._reading.connect() as connection:
-            return job(Transaction(connection))
+        try:
+            with self._reading.connect() as connection:
+                return job(Transaction(connection))
+        except OperationalError as error:
+            raise UnavailableError("the database does not answer") from error
 
     def close(self) -> None:
         """Finish what was asked for and let the database go."""
