@@ -14,6 +14,7 @@ from explicable.cli.files import (
     naming_plan,
     team_problem_arguments,
 )
+from explicable.cli.progress import working
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def explain(
 
     team_task = paths.ground()
     labeller = load_labeller(labeller_file, team_task.problem)
-    with naming_plan(plan_file):
+    with naming_plan(plan_file), working("explaining"):
         steps = explain_plan(
             team_task,
             labeller,
@@ -127,15 +128,16 @@ def tell(
 
     team_task = paths.ground()
     labeller = load_labeller(labeller_file, team_task.problem)
-    result = conform_or_explain(
-        team_task,
-        labeller,
-        alpha=alpha,
-        telling_cost=telling_cost,
-        max_told=max_told,
-        time_limit_s=time_limit,
-        seed=seed,
-    )
+    with working("weighing what to tell"):
+        result = conform_or_explain(
+            team_task,
+            labeller,
+            alpha=alpha,
+            telling_cost=telling_cost,
+            max_told=max_told,
+            time_limit_s=time_limit,
+            seed=seed,
+        )
     text = format_told(result)
     if output and text:
         write_whole(output, text)

@@ -16,6 +16,7 @@ from explicable.cli.files import (
     naming_plan,
     team_problem_arguments,
 )
+from explicable.cli.progress import working
 from explicable.errors import TraceError, UsageError
 from explicable.model.plan import find_step, format_action, parse_plan
 
@@ -92,7 +93,7 @@ def measure(
     for path, plan in zip(expected_files, expected_plans, strict=True):
         with naming_plan(path):
             team_task.mental.execute(plan)
-    with naming_plan(plan_file):
+    with naming_plan(plan_file), working("measuring"):
         measures = measure_plan(
             team_task,
             read_plan(plan_file),
