@@ -20,7 +20,7 @@ way_option = click.option(
     default="mixed",
     show_default=True,
     help="commanded: the robots wait until something is asked for. autonomous: they go ahead unasked. mixed:"
-    " commanded, but in every fourth game they go ahead unasked and nobody has said so.",
+    " commanded, but in one of four games they go ahead unasked and nobody has said so.",
 )
 
 
