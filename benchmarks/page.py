@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import labeller_page
 from tables import Records, agile_score, geometric_mean, markdown_table, number, read_records
 from targets import rates, ratios, targets
 
@@ -48,6 +49,7 @@ def write_page(records: Path, notes: Path, page: Path) -> None:
     if notes.is_file():
         parts.append(notes.read_text())
     parts += [part for section in SECTIONS for part in section(found)]
+    parts += labeller_page.sections()
     page.write_text("\n".join(parts))
 
 

@@ -9,55 +9,12 @@
 #include <span>
 #include <vector>
 
+#include "labelling/feature_weights.hpp"
 #include "labelling/human_choices.hpp"
 #include "labelling/team_tables.hpp"
 #include "search/path_scorer.hpp"
 
 namespace explicable {
-
-// The templates of features.py, in its order.
-enum class Template : int {
-    kStep,
-    kAfter,
-    kBefore,
-    kSameAfter,
-    kSameBefore,
-    kSameHuman,
-    kUndoes,
-    kReturns,
-    kUnbelieved,
-    kRequestMental,
-    kRequestOwn,
-    kGoalMental,
-    kGoalOwn,
-    kMission,
-    kRequestModels,
-    kRequestMission,
-    kTrend,
-    kOutlook,
-};
-inline constexpr int kNumTemplates = 18;
-inline constexpr int kMaxValues = 4;
-
-// What stands beside a step: the progress of a robot's step, or one of these.
-inline constexpr int kHumanStep = kNumProgress;
-inline constexpr int kNothing = kNumProgress + 1;
-inline constexpr int kNumNeighbours = kNumProgress + 2;
-
-// How much more each feature speaks for "inexplicable" than for "explicable": a dense table for each template.
-class FeatureWeights {
-public:
-    FeatureWeights(int num_schemas, std::size_t max_arity);
-    // Throws std::invalid_argument if a value does not fit its template.
-    void set(int feature_template, std::span<const std::int32_t> values, double weight);
-    const std::vector<double>& of(Template feature_template) const {
-        return tables_[static_cast<std::size_t>(feature_template)];
-    }
-
-private:
-    std::vector<std::vector<std::size_t>> dimensions_;
-    std::vector<std::vector<double>> tables_;
-};
 
 inline std::uint64_t combine(std::uint64_t key, std::uint64_t value) {  // splitmix64 of both
     key += value + 0x9E3779B97F4A7C15u;

@@ -5,13 +5,13 @@
 namespace explicable {
 
 LazySearch::LazySearch(const Question& question, Preferred preferred, LabelledOptions labelled, std::uint64_t seed,
-                       bool lookahead)
+                       Ahead ahead)
     : question_(question),
       preferred_(preferred),
       nodes_(question.task, labelled.scorer, labelled.closing),
       evaluator_(question, labelled.scorer),
       ties_(seed) {
-    if (lookahead) lookahead_.emplace(question);
+    if (ahead != Ahead::no) lookahead_.emplace(question, ahead);
 }
 
 Status LazySearch::run(Monitor& monitor, std::int64_t slice) {

@@ -13,9 +13,9 @@ namespace explicable {
 
 class LazySearch : public Engine {
 public:
-    // With `lookahead`, the node that a node's relaxed plan leads to comes next.
+    // With look-ahead, the node that a node's relaxed plan leads to comes next.
     LazySearch(const Question& question, Preferred preferred, LabelledOptions labelled, std::uint64_t seed,
-               bool lookahead);
+               Ahead ahead);
 
     Status run(Monitor& monitor, std::int64_t slice) override;
     std::vector<OperatorId> plan() const override { return nodes_.path(goal_node_); }

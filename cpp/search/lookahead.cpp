@@ -11,16 +11,16 @@ NodeId Lookahead::follow(std::span<const OperatorId> relaxed_plan, NodeStore& no
     had_.resize(task.num_facts());
     for (FactId fact = 0; fact < task.num_facts(); ++fact) had_[fact] = state.holds(task, fact);
     remaining_.assign(relaxed_plan.begin(), relaxed_plan.end());
-    bool bridged = false;
+    bool may_bridge = bridged_;
     while (!remaining_.empty() && !monitor.is_time_up()) {
         if (execute_remaining(nodes, node, state)) {
-            bridged = false;
+            may_bridge = bridged_;
             continue;
         }
         question_.successors.applicable(state, applicable_);
         OperatorId next = replace(state);
         // Conditional effects may undo what a bridge was for, so a second one in a row could go on for ever.
-        if (next < 0 && !std::exchange(bridged, true)) next = bridge(state);
+        if (next < 0 && std::exchange(may_bridge, false)) next = bridge(state);
         if (next < 0) break;
         go(next, nodes, node, state);
     }

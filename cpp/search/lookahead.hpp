@@ -10,22 +10,30 @@
 
 namespace explicable {
 
+enum class Ahead {
+    no,
+    plain,   // while an operator of the relaxed plan, or one in its place, is applicable
+    bridged  // also by bringing back what has been deleted and is still needed; this may use up what can't be had again
+};
+
 class Lookahead {
 public:
-    explicit Lookahead(const Question& question)
+    Lookahead(const Question& question, Ahead ahead)
         : question_(question),
+          bridged_(ahead == Ahead::bridged),
           wanted_(question.task.num_facts(), 0),
           provided_(question.task.num_facts(), 0),
           place_(question.task.num_facts()) {}
 
     // Executes operators of `relaxed_plan` in its order, again and again, while any is applicable. Where none is, an operator
-    // that is applicable replaces the first one that was to achieve the same wanted facts, or else brings back a fact that the
-    // way so far has deleted and the next step needs. Each step becomes a node like any other. Returns the last one; `state`,
+    // that is applicable replaces the first one that was to achieve the same wanted facts, or else, if `bridged`, brings back a
+    // fact that the way so far has deleted and the next step needs. Each step becomes a node like any other. Returns the last one; `state`,
     // of which `node` is the node, becomes its state.
     NodeId follow(std::span<const OperatorId> relaxed_plan, NodeStore& nodes, NodeId node, State& state, Monitor& monitor);
 
 private:
     const Question& question_;
+    bool bridged_;
     std::vector<OperatorId> remaining_, applicable_;
     std::vector<char> had_;                         // facts that were true somewhere on the way
     std::vector<std::uint32_t> wanted_, provided_;  // round of the mark

@@ -28,7 +28,7 @@ public:
     std::unique_ptr<Engine> engine() const {
         const std::string& name = options_.algorithm;
         if (name == "default" || name == "anytime") return standard();
-        if (name == "lazy") return lazy(options_.lookahead);
+        if (name == "lazy") return lazy(options_.lookahead ? Ahead::bridged : Ahead::no);
         if (name == "eager") return eager();
         if (name == "ff") return ff();
         if (name == "bfws") return std::make_unique<WidthSearch>(question_, options_.seed);
@@ -40,8 +40,8 @@ private:
     const Question& question_;
     const SearchOptions& options_;
 
-    std::unique_ptr<Engine> lazy(bool lookahead) const {
-        return std::make_unique<LazySearch>(question_, options_.preferred, options_.labelled, options_.seed, lookahead);
+    std::unique_ptr<Engine> lazy(Ahead ahead) const {
+        return std::make_unique<LazySearch>(question_, options_.preferred, options_.labelled, options_.seed, ahead);
     }
     std::unique_ptr<Engine> eager() const {
         BestFirstOptions best_first;
@@ -65,8 +65,8 @@ private:
     // search or novelty often does. A relaxed plan costs more the larger the task is, hardly so a look at novelty.
     std::unique_ptr<Engine> standard() const {
         using Members = std::vector<Portfolio::Member>;
-        auto ahead = [this] { return lazy(true); };
-        auto plain = [this] { return lazy(false); };
+        auto ahead = [this] { return lazy(Ahead::bridged); };
+        auto plain = [this] { return lazy(Ahead::no); };
         const std::int64_t size = question_.task.num_facts() + question_.task.num_operators();
         const auto slice = [size](std::int64_t work, std::int64_t least, std::int64_t most) {
             return std::clamp(work / (size + 1), least, most);
@@ -75,9 +75,10 @@ private:
         if (options_.labelled.scorer) {
             return std::make_unique<Portfolio>(Members{{plain, slice(5'000'000, 50, 1'000), 0}, {ahead, no_slice, 1}});
         }
+        auto careful = [this] { return lazy(Ahead::plain); };
         auto width = [this] { return std::make_unique<WidthSearch>(question_, options_.seed); };
         return std::make_unique<Portfolio>(Members{
-            {ahead, slice(10'000'000, 100, 1'000), 2}, {plain, slice(40'000'000, 500, 4'000), 2}, {width, 30'000, 3}});
+            {ahead, slice(10'000'000, 100, 1'000), 2}, {careful, slice(5'000'000, 50, 500), 2}, {plain, slice(40'000'000, 500, 4'000), 2}, {width, 30'000, 3}});
     }
     std::unique_ptr<Engine> astar() const {
         BestFirstOptions best_first;

@@ -97,6 +97,15 @@ def test_human_steps_are_scored_where_traces_of_people_are_given(place):
     assert json.loads(done.stdout)["f_human"] == plausible["long.plan"]
 
 
+def test_traces_in_which_nobody_acts_are_named(place, tmp_path):
+    problem = encode(parse_map(DETOUR))
+    silent = Trace(problem, (LabelledStep("r1", LONG[1]),), "anna", "person")
+    write_traces(tmp_path / "silent.jsonl", [silent])
+    done = explicable(place, "measure", *TEAM, "long.plan", "--people", str(tmp_path / "silent.jsonl"))
+    assert done.returncode == 3
+    assert done.stderr.startswith(f"explicable: {tmp_path / 'silent.jsonl'}: no trace has a human step")
+
+
 def test_explain_says_what_the_person_does_not_know(place):
     done = explicable(place, "explain", "labeller.json", *TEAM, "long.plan", *HUMAN)
     lines = done.stdout.splitlines()

@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -5,10 +7,19 @@ from hypothesis import strategies as st
 
 from explicable.errors import UsageError
 from explicable.execution import prepare
-from explicable.execution.dispatch import Dispatcher, DispatchLimits
+from explicable.execution.dispatch import Dispatcher
+from explicable.execution.dispatch_run import DispatchLimits
 from explicable.execution.episodes import Ending
 from explicable.execution.facts import change_state, observable_facts
-from explicable.execution.robots import Fact, Failed, Finished, Refused, SimulatedRobot, SimulatedWorld
+from explicable.execution.robots import (
+    Fact,
+    Failed,
+    Finished,
+    Observation,
+    Refused,
+    SimulatedRobot,
+    SimulatedWorld,
+)
 from explicable.first_response import World, encode, generate
 from explicable.model.durations import Durations
 from explicable.model.grounding import ground
@@ -169,6 +180,39 @@ def test_a_person_who_acts_of_their_own_accord_is_heeded():
     assert run.ending is Ending.REACHED
     own = [done.step.action for done in run.steps if done.report is None]
     assert own == [("command", "person", "c-2-0"), ("command", "person", "c-0-3")]
+
+
+def test_an_agent_given_up_for_lost_that_answers_after_all_is_back():
+    stage = Stage(encode(CORRIDORS), step_s=4.0)
+    robot = next(member for member in stage.crew if member.name == "r1")
+    poll = robot.poll
+    robot.poll = lambda _=0.0: poll() if not 1 <= stage.time() <= 9 else None
+    robot.cancel = lambda: None
+    slow = next(member for member in stage.crew if member.name == "r2")
+    slow._duration = lambda _: 3.0
+    run = stage.run()
+    assert any(done.report is None and done.step.agent == "r1" for done in run.steps)
+    assert (run.ending, run.lost) == (Ending.REACHED, frozenset())
+
+
+def test_a_robot_that_never_stops_talking_or_contradicts_itself_ends_nothing_and_hides_nothing():
+    for facts in ([True], [True, False]):
+        stage = Stage(encode(World(("@.*", "...", "@.*"))), max_plans=5)
+        robot = next(member for member in stage.crew if member.name == "r1")
+        poll, says = robot.poll, itertools.cycle(facts)
+        robot.poll = lambda _=0.0, poll=poll, says=says, stage=stage: (
+            stage.time.pause(0) or poll() or Observation((Fact(("clear", "c-1-1"), true=next(says)),))
+        )
+        run = stage.run()
+        assert run.ending in ((Ending.REACHED,) if facts == [True] else (Ending.REACHED, Ending.STUCK))
+        assert run.num_plans <= 5
+
+
+def test_the_whole_takes_no_longer_than_it_may():
+    stage = Stage(encode(CORRIDORS), takes=lambda _: 50.0, step_s=1000.0, total_s=30.0)
+    run = stage.run()
+    assert run.ending is Ending.TIME
+    assert all(isinstance(member.poll(), Failed) for member in stage.crew if member.state().order)
 
 
 def test_breaking_off_asks_everybody_to_stop():

@@ -11,6 +11,7 @@ from explicable.execution.setting import prepare
 from explicable.first_response import builtin_maps, encode, generate
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
+from explicable.pddl import parse_domain, parse_problem
 from planning.test_differences import example
 
 FAMILIES = builtin_families()
@@ -53,6 +54,39 @@ def test_what_serves_the_goal_only_in_the_end_is_asked_for_as_well(family, way):
         assert episode.ending is Ending.REACHED
         asked = [step.action for step in episode.trace.steps if step.action[0] == "request"]
         assert len(set(asked)) == 5
+
+
+DESK = """(define (domain desk) (:types robot human)
+  (:predicates (signed) (painted) (inside ?r - robot) (open))
+  (:action sign :parameters (?h - human) :effect (signed))
+  (:action open-door :parameters (?h - human) :effect (open))
+  (:action close-door :parameters (?h - human) :effect (not (open)))
+  (:action leave :parameters (?r - robot) :precondition (and (open) (inside ?r)) :effect (not (inside ?r)))
+  (:action paint :parameters (?r - robot) :precondition {needs} :effect (painted)))"""
+DAY = """(define (problem day) (:domain desk) (:objects h - human r - robot)
+  (:init (open) (inside r)) (:goal (and {goal})))"""
+
+
+@pytest.mark.parametrize("way", ["commanded", "autonomous"])
+@pytest.mark.parametrize(
+    ("needs", "goal", "steps"),
+    [
+        # The robot waits for the signature, which the person does not know.
+        ("(signed)", "(painted) (signed)", ["sign", "paint"]),
+        # Whoever closes the door first has to open it again.
+        ("(and)", "(not (inside r)) (not (open))", ["leave", "close-door"]),
+    ],
+)
+def test_nobody_waits_for_ever_where_each_has_a_part_and_nothing_can_be_asked(way, needs, goal, steps):
+    own, believed = (
+        parse_problem(DAY.format(goal=goal), parse_domain(DESK.format(needs=known)))
+        for known in (needs, "(and)")
+    )
+    for horizon in ("request", "mission"):
+        who = Participant("simulated-1", horizon=horizon)
+        episode = simulate(prepare(TeamProblem(own, believed)), who, np.random.default_rng(0), way=way)
+        assert [step.action[0] for step in episode.trace.steps] == steps
+        assert episode.ending is Ending.REACHED
 
 
 @pytest.mark.parametrize("horizon", ["request", "mission"])

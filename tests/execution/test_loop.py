@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from explicable.errors import UsageError
-from explicable.execution.course import Notice
 from explicable.execution.episodes import Ending
 from explicable.execution.facts import correct_model, observable_facts
 from explicable.execution.loop import ClosedLoop, run
 from explicable.execution.monitor import TABLE, Event, State, react
+from explicable.execution.notices import Notice
 from explicable.execution.participants import Participant
 from explicable.execution.people import ScriptedPerson, SimulatedPerson
 from explicable.execution.plans import Proposal, Situation

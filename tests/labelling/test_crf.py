@@ -5,6 +5,7 @@ import pytest
 from sklearn.base import clone
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.model_selection import GridSearchCV, cross_val_score
+from sklearn.utils import estimator_checks
 
 from explicable.errors import UsageError
 from explicable.labelling.crf import ConditionalRandomField
@@ -44,6 +45,25 @@ def test_scikit_learn_clones_cross_validates_and_searches(data):
     assert cross_val_score(crf, X, y, cv=4, params={"sample_weight": np.ones(len(X))}).mean() > 0.6
     search = GridSearchCV(crf, {"c2": [0.01, 1.0], "c1": [0.0, 0.5]}, cv=3).fit(X, y)
     assert search.best_estimator_.score(X, y) > 0.6
+
+
+@pytest.mark.parametrize(
+    "check",
+    [
+        estimator_checks.check_no_attributes_set_in_init,
+        estimator_checks.check_parameters_default_constructible,
+        estimator_checks.check_get_params_invariance,
+        estimator_checks.check_set_params,
+        estimator_checks.check_estimator_repr,
+        estimator_checks.check_estimator_cloneable,
+        estimator_checks.check_estimator_tags_renamed,
+        estimator_checks.check_valid_tag_types,
+        estimator_checks.check_mixin_order,
+    ],
+)
+def test_what_scikit_learn_checks_without_arrays(check):
+    """Its other checks hand in arrays of numbers, and sequences of features are none."""
+    check("ConditionalRandomField", ConditionalRandomField())
 
 
 def test_training_is_deterministic_whatever_the_order_of_features(data, rng):

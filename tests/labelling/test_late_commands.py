@@ -1,6 +1,5 @@
 """What commanded play alone can't teach: a robot that moves before anybody has asked for anything."""
 
-import numpy as np
 import pytest
 
 from explicable.execution import builtin_families, simulate_study
@@ -47,12 +46,12 @@ def test_steps_without_a_request_are_labelled_worse_by_who_has_seen_some(plans, 
     assert gains["mixed"] > 0.3
 
 
-def test_only_every_fourth_game_surprises():
+def test_one_of_four_games_surprises():
     problem = encode(builtin_maps("training")["training-01"])
     episodes = simulate_study([problem], builtin_families()["myopic"], num_traces=8, seed=3, way="mixed")
     plain = simulate_study([problem], builtin_families()["myopic"], num_traces=8, seed=3)
     moved_unasked = [episode.trace.steps[0].action[0] == "move" for episode in episodes]
-    assert np.flatnonzero(moved_unasked).tolist() == [3, 7]
+    assert sum(moved_unasked[:4]) == sum(moved_unasked[4:]) == 1
     same = [one.trace.steps == two.trace.steps for one, two in zip(episodes, plain, strict=True)]
     assert same == [not unasked for unasked in moved_unasked]
     assert not any(episode.trace.notes["participant"]["initiative"] for episode in episodes)

@@ -2,6 +2,8 @@
 
 import itertools
 import math
+import signal
+import threading
 from dataclasses import replace
 
 import pytest
@@ -16,6 +18,7 @@ from explicable.model.team import TeamProblem
 from explicable.planning import choose, front, plan_explicably, plan_within_budget
 from explicable.search import Outcome
 from planning.floors import SCHEMAS, floor, judge_of_progress
+from planning.test_differences import example
 
 # Two obstacles in the way: two more steps avoid the first, four more the second as well.
 MAZE = "########\n#@o.o.*#\n#...#..#\n###.#.##\n###...##\n########\n"
@@ -152,3 +155,14 @@ def test_no_plan_no_front():
     assert front(team, judge_of_breaking()) == ()
     within = plan_within_budget(team, judge_of_breaking(), max_cost_increase=0.1)
     assert (within.plan, within.outcome) == (None, Outcome.UNSOLVABLE)
+
+
+def test_a_front_that_is_interrupted_ends_with_what_was_found():
+    team, labeller = ground_team(example("rover-survey")), judge_of_progress()
+    labeller.schemas = tuple(schema.name for schema in team.problem.robot.domain.actions)
+    interrupt = threading.Timer(2.0, signal.raise_signal, [signal.SIGINT])
+    interrupt.start()
+    found = front(team, labeller, search_s=3600.0)  # one search alone would take an hour
+    interrupt.join()
+    assert found
+    assert not any(corner.is_proved for corner in found)

@@ -1,4 +1,5 @@
 import re
+import sqlite3
 
 import pytest
 from studies import TASKS, Visitor, open_study, write_study
@@ -182,6 +183,25 @@ def test_recruits_are_recognised_and_nothing_is_invented(tmp_path):
         "SESSION_ID": "v1",
     }
     assert len(rows(folder, tables.SESSIONS)) == 2
+
+
+def test_a_database_that_does_not_answer_is_said_and_nothing_is_half_done(tmp_path):
+    client, _, _ = open_study(write_study(tmp_path))
+    with client:
+        visitor = Visitor(client).reach_tasks()
+        token, view = visitor.token, visitor.view()
+        database = tmp_path / "study.db"
+        with sqlite3.connect(database) as connection:
+            connection.execute("ALTER TABLE events RENAME TO lost")
+        order = view["commands"][0]["operator"]
+        refused = visitor.send("command", token=token, request_id="b" * 32, operator=order)
+        assert refused.status_code == 503
+        with sqlite3.connect(database) as connection:
+            connection.execute("ALTER TABLE lost RENAME TO events")
+        connection.close()
+        assert visitor.view()["number"] == view["number"]
+        again = visitor.send("command", token=token, request_id="b" * 32, operator=order)
+        assert again.json()["number"] == view["number"] + 1
 
 
 def test_the_migrated_database_is_the_one_the_schema_describes(tmp_path):

@@ -114,6 +114,9 @@ def test_plans_from_learnt_labels_are_labelled_in_turn(played, capsys):
     assert summary["stages"] == {"debrief": 3}  # the fourth found every plan shown to three people
     assert [(task["finished"], task["wanted"]) for task in summary["tasks"]] == [(3, 3), (3, 3)]
     assert -1 <= summary["agreement"] <= 1
+    for plan in summary["plans"]:
+        steps = (study / f"{plan['source']}.txt").read_text().splitlines()
+        assert plan["cost"] == sum(not step.startswith(";") for step in steps)
     for score in summary["scores"]:
         assert score["source"] in {"ff", "explicable"}
         plan = (study / f"{score['source']}.txt").read_text().splitlines()

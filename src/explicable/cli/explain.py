@@ -15,6 +15,7 @@ from explicable.cli.files import (
     team_problem_arguments,
 )
 from explicable.cli.prices import HumanSteps, human_step_options
+from explicable.cli.progress import working
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def explain(
 
     team_task = paths.ground()
     labeller = load_labeller(labeller_file, team_task.problem)
-    with naming_plan(plan_file):
+    with naming_plan(plan_file), working("explaining"):
         steps = explain_plan(
             team_task,
             labeller,
@@ -128,17 +129,18 @@ def tell(
 
     team_task = paths.ground()
     labeller = load_labeller(labeller_file, team_task.problem)
-    result = conform_or_explain(
-        team_task,
-        labeller,
-        alpha=alpha,
-        telling_cost=telling_cost,
-        max_told=max_told,
-        time_limit_s=time_limit,
-        human_model=human_steps.model(),
-        human_step_weight=human_steps.weight,
-        seed=seed,
-    )
+    with working("weighing what to tell"):
+        result = conform_or_explain(
+            team_task,
+            labeller,
+            alpha=alpha,
+            telling_cost=telling_cost,
+            max_told=max_told,
+            time_limit_s=time_limit,
+            human_model=human_steps.model(),
+            human_step_weight=human_steps.weight,
+            seed=seed,
+        )
     return print_told(result, output, as_json=as_json)
 
 

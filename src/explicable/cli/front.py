@@ -11,6 +11,7 @@ import click
 from explicable.cli import EXIT_LIMIT, EXIT_UNSOLVABLE
 from explicable.cli.budgets import Budget, budget_options
 from explicable.cli.files import INPUT_FILE, TeamProblemPaths, load_labeller, team_problem_arguments
+from explicable.cli.progress import working
 from explicable.model.plan import format_action, format_plan
 
 if TYPE_CHECKING:
@@ -71,9 +72,10 @@ def front(
         raise click.UsageError("--plot needs matplotlib: pip install 'explicable[evaluation]'")
     team_task = paths.ground()
     labeller = load_labeller(labeller_file, team_task.problem)
-    plans = find_front(
-        team_task, labeller, max_alpha=max_alpha, search_s=search_time, time_limit_s=time_limit
-    )
+    with working(f"looking for plans, up to {search_time:g} s at each alpha"):
+        plans = find_front(
+            team_task, labeller, max_alpha=max_alpha, search_s=search_time, time_limit_s=time_limit
+        )
     chosen = choose(plans, **budget) if budget is not None else None
     number = next((number for number, found in enumerate(plans) if found is chosen), None)
     records = [describe(found) for found in plans]

@@ -16,6 +16,8 @@ from explicable.cli.files import (
     naming_plan,
     team_problem_arguments,
 )
+from explicable.cli.progress import working
+from explicable.errors import TraceError, UsageError
 from explicable.model.plan import find_step, format_action, parse_plan
 
 if TYPE_CHECKING:
@@ -91,7 +93,7 @@ def measure(
     for path, plan in zip(expected_files, expected_plans, strict=True):
         with naming_plan(path):
             team_task.mental.execute(plan)
-    with naming_plan(plan_file):
+    with naming_plan(plan_file), working("measuring"):
         measures = measure_plan(
             team_task,
             read_plan(plan_file),
@@ -117,7 +119,12 @@ def _read_human_model(path: Path | None) -> "HumanModel | None":
     from explicable.labelling import read_traces
     from explicable.planning import HumanModel
 
-    return None if path is None else HumanModel.learn(read_traces(path))
+    if path is None:
+        return None
+    try:
+        return HumanModel.learn(read_traces(path))
+    except UsageError as error:
+        raise TraceError(str(error), path=path) from error
 
 
 def describe_measures(measures: "Measures") -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
+from explicable.cli.progress import working
 
 if TYPE_CHECKING:
     from explicable.execution import Family
@@ -19,7 +20,7 @@ way_option = click.option(
     default="mixed",
     show_default=True,
     help="commanded: the robots wait until something is asked for. autonomous: they go ahead unasked. mixed:"
-    " commanded, but in every fourth game they go ahead unasked and nobody has said so.",
+    " commanded, but in one of four games they go ahead unasked and nobody has said so.",
 )
 
 
@@ -57,7 +58,8 @@ def play_and_write(problems: "Iterable[TeamProblem]", family: "Family", output: 
     from explicable.execution import Ending, simulate_study
     from explicable.labelling import write_traces
 
-    episodes = simulate_study(problems, family, **options)
+    with working("playing"):
+        episodes = simulate_study(problems, family, **options)
     write_traces(output, [episode.trace for episode in episodes])
     click.echo(f"{output}: traces of simulated participants: {len(episodes)}", err=True)
     for ending in Ending:

@@ -77,6 +77,8 @@ def _print_team(record: dict[str, Any]) -> None:
     for agent in record["agents"]:
         does = ", ".join(agent["actions"]) or "can do nothing here"
         click.echo(f"{agent['kind']:6} {agent['name']}: {does}")
+    if all(agent["kind"] == "robot" for agent in record["agents"]):
+        click.echo("Nobody is a human: an action is a human's if its first parameter is of type human.")
     for side, reachable in record["goal_reachable"].items():
         if not reachable:
             whose = "robots' own" if side == "robots" else "human"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from explicable.errors import UsageError
 
-NUM_DRAWS = 2000
+NUM_DRAWS = 1000
 """Of the bootstrap."""
 
 _SEED = 20

@@ -1,7 +1,7 @@
 """Working together with a person."""
 
 from explicable.execution.adaptation import adapt
-from explicable.execution.course import Course, Notice, Occurrence
+from explicable.execution.course import Course
 from explicable.execution.episode_files import read_episode, write_episode
 from explicable.execution.episodes import (
     Ending,
@@ -16,6 +16,7 @@ from explicable.execution.episodes import (
 from explicable.execution.facts import observable_facts
 from explicable.execution.loop import ClosedLoop, run
 from explicable.execution.monitor import draw_monitor
+from explicable.execution.notices import Notice, Occurrence
 from explicable.execution.participants import Family, Participant, builtin_families, read_families
 from explicable.execution.people import Person, ScriptedPerson, SimulatedPerson
 from explicable.execution.plans import Planner, Proposal, Situation, num_changes

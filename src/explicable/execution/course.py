@@ -5,7 +5,7 @@ states: so a game on record can be replayed.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from explicable.errors import PlanError, UsageError
 from explicable.execution import mind as minds
@@ -13,74 +13,16 @@ from explicable.execution.episodes import Ending, follow
 from explicable.execution.facts import change_state, correct_model, most_specific, restart_at
 from explicable.execution.mind import Mind
 from explicable.execution.monitor import FINAL, Command, Event, IllegalEventError, State, react
+from explicable.execution.notices import Notice, Occurrence
 from explicable.execution.plans import Actions, Situation
 from explicable.execution.robots.protocol import Fact
 from explicable.execution.setting import Setting
 from explicable.labelling.records import LabelledStep
 from explicable.model.plan import format_action
 from explicable.model.problem import GroundAtom
-from explicable.model.task import State as GameState
 
 _FAILURES = 3
 """How often a step fails before it is put down to a fact."""
-
-
-@dataclass(frozen=True, slots=True)
-class Notice:
-    """Something that happened.
-
-    Parameters
-    ----------
-    event
-        What.
-    action
-        The step that it is about; empty if about none.
-    facts
-        What was observed.
-    answer
-        Whether the step is explicable.
-    plan
-        The joint plan from now on.
-    reason
-        Why it happened, for people to read; of the time that is up, the value of an `Ending`.
-    """
-
-    event: Event
-    action: GroundAtom = ()
-    facts: tuple[Fact, ...] = ()
-    answer: bool | None = None
-    plan: Actions = ()
-    reason: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Occurrence:
-    """A notice, when it came, and what it led to.
-
-    Parameters
-    ----------
-    notice
-        What happened.
-    time_s
-        Seconds since the game began.
-    state
-        Of the monitor, afterwards.
-    refusal
-        Why it was not taken; nothing has changed then. Empty if it was.
-    game_state
-        Where the game then stands, in the setting's truth.
-    """
-
-    notice: Notice
-    time_s: float
-    state: State
-    game_state: GameState
-    refusal: str = ""
-
-    @property
-    def event(self) -> Event:
-        """What happened."""
-        return self.notice.event
 
 
 class Course:

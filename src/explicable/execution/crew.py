@@ -4,8 +4,9 @@ import time
 from collections.abc import Callable, Iterable
 
 from explicable.errors import UsageError
-from explicable.execution.course import Course, Notice
+from explicable.execution.course import Course
 from explicable.execution.monitor import Event
+from explicable.execution.notices import Notice
 from explicable.execution.robots.door import Door
 from explicable.execution.robots.faultless import FaultlessRobot
 from explicable.execution.robots.protocol import Blocked, Finished, Observation, Order, Refused, Report, Robot

@@ -5,14 +5,13 @@ clock says: a late or failed step delays its successors, and nothing else. When 
 to the goal, nothing new is sent, what is under way is waited for, and the rest is planned anew from there.
 """
 
-import math
 import time
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 from explicable.errors import UsageError
 from explicable.execution import mind as minds
+from explicable.execution.dispatch_run import Dispatched, DispatchLimits, DispatchRun
 from explicable.execution.episodes import Ending
 from explicable.execution.facts import change_state, most_specific, restart_at
 from explicable.execution.mind import Mind
@@ -35,77 +34,10 @@ from explicable.model.problem import GroundAtom
 from explicable.model.schedule import Schedule
 from explicable.model.team import TeamProblem
 
+_PAUSE_S = 0.01
+
 Replan = Callable[[TeamProblem], Schedule | None]
 """Plans anew for a team problem that begins now; None if it knows no way."""
-
-
-@dataclass(frozen=True, slots=True)
-class DispatchLimits:
-    """How long the dispatcher waits for what.
-
-    Parameters
-    ----------
-    step_s
-        Seconds after which an agent is asked to give its step up; after as long again it is lost.
-    total_s
-        Seconds for everything.
-    attempts
-        How often a step is tried before its failing is put down to a fact.
-    max_plans
-        How often the rest is planned anew.
-    """
-
-    step_s: float = 60.0
-    total_s: float = math.inf
-    attempts: int = 3
-    max_plans: int = 100
-
-
-@dataclass(frozen=True, slots=True)
-class Dispatched:
-    """A step that was sent, and how it ended.
-
-    Parameters
-    ----------
-    step
-        Who did what; a step that nobody had sent, of a person's own accord, starts when it ends.
-    start_s, end_s
-        Seconds since the beginning.
-    report
-        The answer; None if none came, or nobody had asked.
-    """
-
-    step: Step
-    start_s: float
-    end_s: float
-    report: Report | None
-
-
-@dataclass(frozen=True, slots=True)
-class DispatchRun:
-    """A schedule carried out.
-
-    Parameters
-    ----------
-    ending
-        How it ended.
-    steps
-        In the order in which they ended.
-    num_plans
-        How often the rest was planned anew.
-    lost
-        Agents that did not answer any more.
-    """
-
-    ending: Ending
-    steps: tuple[Dispatched, ...]
-    num_plans: int
-    lost: frozenset[str]
-
-    @property
-    def makespan_s(self) -> float:
-        """When the last step was done, in seconds since the beginning."""
-        return max((done.end_s for done in self.steps), default=0.0)
 
 
 class Dispatcher:
@@ -140,7 +72,7 @@ class Dispatcher:
         crew: Iterable[Robot],
         *,
         replan: Replan = lambda _: None,
-        limits: DispatchLimits = DispatchLimits(),
+        limits: DispatchLimits | None = None,
         clock: Callable[[], float] = time.monotonic,
         pause: Callable[[float], object] = time.sleep,
     ) -> None:
@@ -151,12 +83,15 @@ class Dispatcher:
             wrong = ", ".join(sorted(missing)) or "two of a name"
             raise UsageError(f"each agent needs one robot; wrong for {wrong}")
         self._setting, self._truth = setting, setting.truth
-        self._replan, self._limits, self._clock, self._pause = replan, limits, clock, pause
+        self._limits = limits or DispatchLimits()
+        self._replan, self._clock, self._pause = replan, clock, pause
         self._state = setting.truth.task.initial_state
         self._mind = Mind(setting.belief.task.initial_state)
         self._outside: deque[GroundAtom] = deque()
         self._history: list[Dispatched] = []
         self._lost: set[str] = set()
+        # Steps of lost agents; no new plan is made while there are any.
+        self._given_up: dict[str, tuple[int, tuple[Order, float]]] = {}
         self._num_orders = self._num_plans = 0
         self._waiting_since: dict[str, float] = {}  # for agents that refuse
         self._seen: defaultdict[str, list[Fact]] = defaultdict(list)
@@ -169,31 +104,34 @@ class Dispatcher:
 
     def run(self) -> DispatchRun:
         """Carry the schedule out to its end; after a Ctrl-C, what is under way is asked to stop."""
+        ending = None
         try:
-            ending = self._carry_out()
-        except KeyboardInterrupt:
-            for member in self._crew.values():
-                member.cancel()
-            raise
+            while ending is None:
+                ending = self._go_on()
+        finally:
+            if self._open:
+                for member in self._crew.values():
+                    member.cancel()
         return DispatchRun(ending, tuple(self._history), self._num_plans, frozenset(self._lost))
 
-    def _carry_out(self) -> Ending:
-        ending = None
-        while ending is None:
-            happened = self._take_outside() | self._take_reports() | self._watch_the_clock()
-            if not self._is_outdated:
-                happened |= self._send_what_is_ready()
-            if not happened:
-                waits = self._open or set(self._waiting_since) - self._lost
-                ending = self._time_up() if waits else self._ending()
-                if ending is None and waits:
-                    self._pause(0.01)
-        return ending
+    def _go_on(self) -> Ending | None:
+        happened = self._take_outside() | self._take_reports() | self._watch_the_clock()
+        if self._is_outdated:
+            self._waiting_since.clear()
+        else:
+            happened |= self._send_what_is_ready()
+        if not self._open and not set(self._waiting_since) - self._lost:
+            return self._conclude()
+        if self._is_time_up():
+            return Ending.TIME
+        if not happened:
+            self._pause(_PAUSE_S)
+        return None
 
     def _adopt(self, schedule: Schedule) -> None:
         self._schedule = schedule
         self._done: set[int] = set()
-        self._open: dict[int, tuple[Order, float]] = {}  # with the time of sending
+        self._open: dict[int, tuple[Order, float]] = {}  # by number of the step; with the time of sending
         self._cancelled: set[int] = set()  # numbers of orders
         self._failures: Counter[int] = Counter()
         self._waiting_since.clear()
@@ -202,16 +140,16 @@ class Dispatcher:
     def _now(self) -> float:
         return self._clock() - self._began
 
-    def _time_up(self) -> Ending | None:
-        return Ending.TIME if self._now() > self._limits.total_s else None
+    def _is_time_up(self) -> bool:
+        return self._now() > self._limits.total_s
 
-    def _ending(self) -> Ending | None:
-        """Nothing is under way and nothing can be sent: the end, or a new plan."""
+    def _conclude(self) -> Ending | None:
+        """End, or plan anew, now that nothing is under way and nothing can be sent."""
         if self._truth.task.is_goal(self._state):
             return Ending.REACHED
         if self._lost or self._num_plans >= self._limits.max_plans:
             return Ending.STUCK
-        if self._time_up():
+        if self._is_time_up():
             return Ending.TIME
         self._num_plans += 1
         problem = restart_at(
@@ -276,6 +214,10 @@ class Dispatcher:
         return happened
 
     def _take(self, name: str, report: Report) -> None:
+        if name in self._given_up and not isinstance(report, Observation):
+            late, entry = self._given_up.pop(name)  # it was not lost after all
+            self._open[late] = entry
+            self._lost.discard(name)
         number = next((n for n in self._open if self._schedule.steps[n].step.agent == name), None)
         if isinstance(report, Observation) or number is None:
             # What a robot sees of things in motion counts when its step is over; of what is fixed, at once.
@@ -354,7 +296,7 @@ class Dispatcher:
                 happened = True
             if waited_s > 2 * self._limits.step_s:
                 self._lost.add(agent)
-                del self._open[number]
+                self._given_up[agent] = number, self._open.pop(number)
                 step = self._schedule.steps[number].step
                 self._history.append(Dispatched(step, sent_s, self._now(), None))
                 happened = True

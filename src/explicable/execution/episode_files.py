@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from explicable.errors import EpisodeError, PlanError, TraceError
-from explicable.execution.course import Notice
 from explicable.execution.monitor import Event, State
+from explicable.execution.notices import Notice
 from explicable.execution.records import EpisodeRecord, RecordedEvent
 from explicable.execution.robots.protocol import Fact
 from explicable.labelling.records import RecordReader, format_record

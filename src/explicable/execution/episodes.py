@@ -24,7 +24,7 @@ Way = Literal["commanded", "autonomous"]
 StudyWay = Literal["commanded", "autonomous", "mixed"]
 
 UNANNOUNCED = 4
-"""In a mixed study each game of this number is played autonomously, though nobody has said so."""
+"""In a mixed study one in so many games is played autonomously, though nobody has said so."""
 
 
 class Ending(StrEnum):
@@ -265,7 +265,7 @@ def simulate_study(
     seed
         The same seed gives the same traces.
     way
-        ``mixed``: as commanded, but in every fourth game the robot goes ahead unasked and nobody has said so.
+        ``mixed``: as commanded, but in one of four games the robot goes ahead unasked and nobody has said so.
         Traces of commanded play alone never show a robot that moves without a request, so what is learned
         from them has no opinion of it.
 
@@ -284,7 +284,9 @@ def simulate_study(
     episodes = []
     for game, (place, number) in enumerate(assign(len(settings), num_traces)):
         participant = family.draw(number + 1, np.random.default_rng((seed, 0, number)))
-        is_surprise = way == "mixed" and game % UNANNOUNCED == UNANNOUNCED - 1
+        # By chance which of the four: else it would always be the same problems.
+        place_of_surprise = np.random.default_rng((seed, 2, game // UNANNOUNCED)).integers(UNANNOUNCED)
+        is_surprise = way == "mixed" and game % UNANNOUNCED == place_of_surprise
         episode = simulate(
             settings[place],
             participant,

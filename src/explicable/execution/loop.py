@@ -8,11 +8,12 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable
 
-from explicable.execution.course import Course, Notice
+from explicable.execution.course import Course
 from explicable.execution.crew import Crew
 from explicable.execution.desk import BackDesk, Desk, OpenDesk
 from explicable.execution.episodes import Ending, Episode
 from explicable.execution.monitor import FINAL, Command, Event, State
+from explicable.execution.notices import Notice
 from explicable.execution.people import Person
 from explicable.execution.plans import Planner
 from explicable.execution.robots.protocol import Robot

@@ -215,7 +215,7 @@ def choose(
     With a request under way, a new one is made only if it looks strictly better than to see the old one
     through, and none that has been tried since something was last fulfilled: so a game can't swing to and fro
     for ever. Among equally good ones chance decides. Where there is nothing to ask for, the participant does
-    its own next step of the best joint way that it sees.
+    its own part of the best joint way that it sees, as soon as that does no harm.
     """
     belief, current = setting.belief, mind.request
     ranked = []
@@ -248,9 +248,19 @@ def _cost_to_see_through(belief: Outlook, participant: Participant, state: State
 
 
 def _own_step(setting: Setting, mind: Mind, refused: frozenset[GroundAtom]) -> GroundAtom | None:
-    way = setting.belief.mission_way(mind.state)
-    if not way:
-        return None
-    action = setting.belief.task.action(way[0])
-    human = setting.problem.agent_of(action).kind == "human"
-    return action if human and action not in refused else None
+    """Return a human step of the best joint way, the first that can be taken already at no extra cost.
+
+    What a robot should do before may have to wait for just that, unknown to the participant.
+    """
+    belief, state = setting.belief, mind.state
+    for operator in belief.mission_way(state) or ():
+        action = belief.task.action(operator)
+        if (
+            setting.problem.agent_of(action).kind == "human"
+            and action not in refused
+            and belief.task.is_applicable(state, operator)
+        ):
+            saved = belief.mission_cost(state) - belief.mission_cost(belief.task.successor(state, operator))
+            if saved == belief.task.cost(operator):
+                return action
+    return None

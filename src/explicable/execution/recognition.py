@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING
 
 from explicable.errors import UsageError
 from explicable.execution import mind as minds
-from explicable.execution.course import Course, Occurrence
+from explicable.execution.course import Course
 from explicable.execution.mind import Mind
 from explicable.execution.monitor import Event
+from explicable.execution.notices import Occurrence
 from explicable.execution.participants import Family, Participant
 from explicable.execution.setting import Setting
 from explicable.model.problem import GroundAtom

@@ -5,8 +5,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from explicable.execution.course import Course, Notice, Occurrence
+from explicable.execution.course import Course
 from explicable.execution.monitor import State
+from explicable.execution.notices import Notice, Occurrence
 from explicable.execution.runs import Run
 from explicable.execution.setting import prepare
 from explicable.labelling.records import Trace

@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from explicable.execution.course import Occurrence
 from explicable.execution.episodes import Episode
+from explicable.execution.notices import Occurrence
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from math import inf
 from string import ascii_uppercase
@@ -153,6 +154,7 @@ class Canvas:
     emphasis: float
 
 
+@lru_cache(maxsize=256)
 def frame_map(world: World) -> Canvas:
     """Frame a map; of a wall all around only a strip is shown."""
     last_row, last_column = world.height - 1, world.width - 1

@@ -11,8 +11,8 @@ import numpy as np
 
 from explicable import _core
 from explicable.errors import LabellerError, UsageError
-from explicable.labelling.augment import ground_symbol_features
 from explicable.labelling.choices import ChoiceModel
+from explicable.labelling.compiling import compile_scorer, evidence
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.labelled_plan import LabelledPlan, clamp_humans
@@ -21,7 +21,7 @@ from explicable.labelling.learning import CLASSES, Symbols, TrainingData, step_f
 from explicable.labelling.population import fit_population
 from explicable.labelling.score import score_plan
 from explicable.labelling.situations import HUMAN_FEATURES
-from explicable.labelling.templates import explain_feature, feature_code
+from explicable.labelling.templates import explain_feature
 from explicable.labelling.traces import Trace
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem, TeamTask, schema_kind
@@ -271,15 +271,7 @@ class Labeller:
             its objects.
         """
         features = self.features(team)
-        lifted = self.symbols == "lifted"
-        scorer = _core.Scorer(
-            features.task.core,
-            features.tables,
-            self._weights(features) if lifted else [],
-            self.model.transition_weights_.tolist(),
-            expected=expected,
-            own=[] if lifted else self._own(features),
-        )
+        scorer = compile_scorer(self.model, features, symbols=self.symbols, expected=expected)
         if not (math.isfinite(charge) and charge >= 0):
             raise UsageError(f"the charge must be finite and at least 0, not {charge}")
         if choice_model is not None and charge > 0:
@@ -354,21 +346,6 @@ class Labeller:
         self.check_domain(features.team.problem)
         return features
 
-    def _weights(self, team: TeamFeatures) -> list[tuple[int, tuple[int, int, int, int], float]]:
-        """How much each lifted feature speaks for inexplicable, as the core numbers them."""
-        schemas = {name: number for number, name in enumerate(team.schemas)}
-        weights = []
-        for feature, weight in self._evidence.items():
-            code = feature_code(feature, schemas, team.tables.max_arity)
-            if code is not None:
-                weights.append((*code, -weight))
-        return weights
-
-    def _own(self, team: TeamFeatures) -> list[float]:
-        """How much the ground symbols of each operator speak for inexplicable."""
-        rows = ground_symbol_features([team.task.action(o) or ("",) for o in range(team.task.num_operators)])
-        return [-sum(self._evidence.get(name, 0.0) for name in row) for row in rows]
-
     @cached_property
     def _names(self) -> set[str]:
         """The names of objects that the model knows, of ground symbols such as ``2=kitchen``."""
@@ -376,9 +353,7 @@ class Labeller:
 
     @cached_property
     def _evidence(self) -> dict[str, float]:
-        """How much each feature speaks for explicable rather than inexplicable."""
-        difference = self.model.state_weights_[:, 0] - self.model.state_weights_[:, 1]
-        return dict(zip(self.model.feature_names_, difference.tolist(), strict=True))
+        return evidence(self.model)
 
 
 def _robot_schemas(problem: TeamProblem) -> list[str]:

@@ -66,7 +66,7 @@ def plan_within_budget(
         return TeamPlan(outcome, None, None, None, 0.0, pool.evaluations, pool.search_s)
     objective = chosen.value(chosen.alpha_from)
     return TeamPlan(
-        outcome=Outcome.SOLVED,
+        outcome=pool.outcome if pool.outcome is Outcome.INTERRUPTED else Outcome.SOLVED,
         plan=chosen.plan,
         labelled=chosen.labelled,
         objective=objective,

@@ -22,6 +22,7 @@ from explicable.model.durations import Durations
 from explicable.model.problem import GroundAtom
 from explicable.model.schedule import Schedule, make_schedule
 from explicable.model.team import TeamTask
+from explicable.planning.best_schedule import BestSchedule, schedule_objective
 from explicable.planning.goal_orders import GoalOrders
 from explicable.planning.planner import check_alpha, plan_explicably
 from explicable.planning.relaxed_times import Node, RelaxedTimes, Timetable
@@ -121,7 +122,7 @@ def plan_schedule(
     if result.operators is None:
         bound = math.inf if result.outcome is Outcome.UNSOLVABLE else 0.0
         return ScheduledPlan(result.outcome, None, None, None, bound, 0, time.perf_counter() - began)
-    best = _Best(team_task, durations or Durations(), labeller, alpha)
+    best = BestSchedule(team_task, durations or Durations(), labeller, alpha)
     best.consider(tuple(map(team_task.task.action, result.operators)))
     if labeller is not None:
         share_s = _SHARE_OF_EXPLICABLE * time_limit_s
@@ -187,69 +188,14 @@ def schedule_plan(
     labelled = labeller.label(team_task, schedule.actions) if labeller else None
     timetable = Timetable(team_task, durations)
     bound = float(RelaxedTimes(timetable).rate([timetable.root()])[0][0])
-    objective = _objective(schedule, labelled, check_alpha(alpha))
+    objective = schedule_objective(schedule, labelled, check_alpha(alpha))
     return ScheduledPlan(Outcome.SOLVED, schedule, labelled, objective, bound, 1, time.perf_counter() - began)
-
-
-def _objective(schedule: Schedule, labelled: "LabelledPlan | None", alpha: float) -> float:
-    if labelled is None or labelled.scores.f_expected is None:
-        return schedule.makespan
-    return schedule.makespan + alpha * len(schedule.steps) * (1.0 - labelled.scores.f_expected)
-
-
-class _Best:
-    """The best schedule so far."""
-
-    def __init__(
-        self, team_task: TeamTask, durations: Durations, labeller: "Labeller | None", alpha: float
-    ) -> None:
-        self.team_task, self.durations, self.labeller, self.alpha = team_task, durations, labeller, alpha
-        self.schedule: Schedule | None = None
-        self.labelled: LabelledPlan | None = None
-        self.objective = self.least_makespan = math.inf
-        self.num_steps = 0
-
-    def consider(self, actions: Actions) -> None:
-        """Take a plan if it is better, or as good and shorter, once superfluous steps are gone."""
-        schedule = self._lean(self._schedule(actions))
-        self.least_makespan = min(self.least_makespan, schedule.makespan)
-        labelled = self.labeller.label(self.team_task, schedule.actions) if self.labeller else None
-        objective = _objective(schedule, labelled, self.alpha)
-        if (objective, len(schedule.steps)) < (self.objective, self.num_steps):
-            self.schedule, self.labelled = schedule, labelled
-            self.objective, self.num_steps = objective, len(schedule.steps)
-
-    def _schedule(self, actions: Actions) -> Schedule:
-        return make_schedule(self.team_task.problem, self.team_task.task, actions, self.durations)
-
-    def _lean(self, schedule: Schedule) -> Schedule:
-        """Drop steps that nothing needs (Nakhost & Mueller, "Action elimination", ICAPS 2010)."""
-        number = 0
-        while number < len(schedule.steps):
-            rest = self._without(schedule.actions, number)
-            shorter = None if rest is None else self._schedule(rest)
-            if shorter is not None and shorter.makespan <= schedule.makespan:
-                schedule = shorter
-            else:
-                number += 1
-        return schedule
-
-    def _without(self, actions: Actions, number: int) -> Actions | None:
-        """Return a plan without one step and those that then are impossible, if it still reaches the goal."""
-        task = self.team_task.task
-        state, kept = task.execute(actions[:number]).states[-1], list(actions[:number])
-        for action in actions[number + 1 :]:
-            operator = next((o for o in task.operators_of(action) if task.is_applicable(state, o)), None)
-            if operator is not None:
-                state = task.successor(state, operator)
-                kept.append(action)
-        return tuple(kept) if task.is_goal(state) else None
 
 
 class _Beams:
     """Passes of growing width; each prunes by what the ones before have found."""
 
-    def __init__(self, team_task: TeamTask, best: _Best, deadline: float) -> None:
+    def __init__(self, team_task: TeamTask, best: BestSchedule, deadline: float) -> None:
         self.task, self.best, self.deadline = team_task.task, best, deadline
         self.timetable = Timetable(team_task, best.durations)
         self.relaxed = RelaxedTimes(self.timetable)

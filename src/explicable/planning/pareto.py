@@ -88,7 +88,8 @@ def front(
     Returns
     -------
     tuple of FrontPlan
-        Costs rise and expected numbers of inexplicable steps fall; empty if no plan was found.
+        Costs rise and expected numbers of inexplicable steps fall; empty if no plan was found. After Ctrl-C
+        what was found by then.
 
     Raises
     ------
@@ -107,7 +108,10 @@ def front(
     >>> [(found.plan.cost, found.alpha_to) for found in front(ground_team(encode(World((".@*",)))), labeller)]
     [(3, inf)]
     """
-    return explore(team_task, labeller, max_alpha, search_s, time_limit_s, seed).front()
+    pool = explore(team_task, labeller, max_alpha, search_s, time_limit_s, seed)
+    if pool.outcome is Outcome.INTERRUPTED and not pool.has_plan:
+        raise KeyboardInterrupt
+    return pool.front()
 
 
 def explore(
@@ -142,10 +146,10 @@ def explore(
             team_task, labeller=labeller, algorithm="anytime", time_limit_s=cheapest_s, seed=seed
         )
     )
-    for alpha in (SMALLEST_ALPHA, max_alpha):
-        solve(alpha)
-    while left_s() > 0 and (fresh := pool.unsettled(max_alpha)):
-        solve(fresh[0])
+    alphas = [SMALLEST_ALPHA, max_alpha]
+    while alphas and pool.outcome is not Outcome.INTERRUPTED and (left_s() > 0 or not pool.has_plan):
+        solve(alphas[0])
+        alphas = alphas[1:] if alphas[0] == SMALLEST_ALPHA else pool.unsettled(max_alpha)
     return pool
 
 
@@ -173,6 +177,11 @@ class Pool:
                 found.plan, found.labelled, count, 0.0, math.inf, is_proved=False
             )
 
+    @property
+    def has_plan(self) -> bool:
+        """Whether there is any plan."""
+        return bool(self._plans)
+
     def unsettled(self, max_alpha: float) -> list[float]:
         """List the alphas at which two neighbours on the front are even, and which were not looked at."""
         alphas = [even(left, right) for left, right in pairwise(self._corners())]
@@ -196,6 +205,8 @@ class Pool:
 
         The least J is concave in alpha and at most that of the plan, so what holds at the ends holds between.
         """
+        if not self._bounds:
+            return False
         ends = (max(lowest, min(self._bounds)), min(highest, max(self._bounds)))
         return all(corner.value(end) <= self._bounds.get(end, -math.inf) + ROUNDING for end in ends)
 

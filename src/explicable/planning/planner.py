@@ -32,7 +32,8 @@ class TeamPlan:
     Parameters
     ----------
     outcome
-        Solved if there is a plan; else proved unsolvable, limit reached or interrupted.
+        Solved if there is a plan; else proved unsolvable or limit reached; interrupted after Ctrl-C, with the
+        best plan so far or none.
     plan
         The joint plan, if there is one.
     labelled
@@ -278,7 +279,7 @@ def _team_plan(
             break
     best, found, labels, predicted = chosen or (None, None, None, None)
     return TeamPlan(
-        outcome=Outcome.SOLVED if found else results[0].outcome,
+        outcome=_outcome(results, is_solved=found is not None),
         plan=found,
         labelled=labels,
         predicted=predicted,
@@ -289,6 +290,12 @@ def _team_plan(
         alpha=alpha,
         limit=results[0].limit,
     )
+
+
+def _outcome(results: Sequence[SearchResult], *, is_solved: bool) -> Outcome:
+    if any(result.outcome is Outcome.INTERRUPTED for result in results):
+        return Outcome.INTERRUPTED
+    return Outcome.SOLVED if is_solved else results[0].outcome
 
 
 def objective(plan: JointPlan, labelled: "LabelledPlan | None", alpha: float) -> float:

@@ -6,6 +6,7 @@ import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from importlib import metadata
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -30,6 +31,8 @@ from explicable.study.recruitment import Recruit, read_parameters
 from explicable.study.security import SESSION_COOKIE, Guard, Keys, Limiter
 from explicable.study.store import Store, Transaction
 from explicable.study.view import View, view_of
+from explicable.study.watch import Watch
+from explicable.study.writer import UnavailableError
 
 HERE = Path(__file__).parent
 T = TypeVar("T")
@@ -77,6 +80,11 @@ class Server:
     conduct: Conduct
     pages: Pages
     closing: threading.Event
+
+    @cached_property
+    def watch(self) -> Watch:
+        """What tells open pages of changes."""
+        return Watch(lambda since: self.read(lambda tx: tx.changed_since(since)), self.closing.is_set)
 
     async def write(self, job: Callable[[Transaction], T]) -> T:
         """Let a job run that may write; done when what it did is on the disk."""
@@ -144,7 +152,9 @@ def create_app(
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         await asyncio.to_thread(materials.check)
+        watching = asyncio.create_task(server.watch.run())
         yield
+        watching.cancel()
         await asyncio.to_thread(store.close)
 
     app = FastAPI(
@@ -172,6 +182,12 @@ def _handle_errors(app: FastAPI, server: Server) -> None:
         if not request.url.path.startswith("/api/"):
             return server.pages.problem(str(error), status)
         return JSONResponse(Problem(error=str(error)).model_dump(), status)
+
+    @app.exception_handler(UnavailableError)
+    async def unavailable(request: HTTPRequest, error: UnavailableError) -> Response:
+        if not request.url.path.startswith("/api/"):
+            return server.pages.problem(str(error), 503)
+        return JSONResponse(Problem(error=str(error)).model_dump(), 503, {"Retry-After": "1"})
 
     @app.exception_handler(InputError)
     async def bad_input(request: HTTPRequest, error: InputError) -> Response:
@@ -265,7 +281,8 @@ def _page_routes(server: Server) -> APIRouter:
 
 def _script_routes(server: Server) -> APIRouter:
     routes = APIRouter(
-        prefix="/api", responses={code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429)}
+        prefix="/api",
+        responses={code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429, 503)},
     )
     conduct, language = server.conduct, server.materials.language
 
@@ -313,22 +330,10 @@ def _script_routes(server: Server) -> APIRouter:
     @routes.get("/changes", include_in_schema=False)
     async def changes(request: HTTPRequest) -> Response:
         session = server.session(request)
-        return StreamingResponse(_revisions(server, request, session), media_type="text/event-stream")
+        stream = server.watch.listen(session, request.is_disconnected)
+        return StreamingResponse(stream, media_type="text/event-stream")
 
     return routes
-
-
-async def _revisions(server: Server, request: HTTPRequest, session: str) -> AsyncIterator[str]:
-    """Tell another tab when the session has gone on."""
-    known = None
-    while not server.closing.is_set() and not await request.is_disconnected():
-        revision = await server.read(lambda tx: tx.revision(session))
-        if revision is None:
-            return
-        if revision != known:
-            known = revision
-            yield f"data: {known}\n\n"
-        await asyncio.sleep(1.0)
 
 
 def _json(model: BaseModel, status: int = 200) -> Response:

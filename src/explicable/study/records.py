@@ -71,6 +71,29 @@ def count_tasks(tx: Transaction, origin: str) -> list[TaskRow]:
     return [TaskRow(*row) for row in tx.stream(query)]
 
 
+class StepRow(NamedTuple):
+    """How many finished assignments a task has, and how many steps they have together."""
+
+    task: str
+    condition: str
+    num_finished: int
+    num_steps: int
+
+
+def count_steps(tx: Transaction, origin: str) -> list[StepRow]:
+    """Count the steps of finished assignments by task and condition, those of practice left out."""
+    query = (
+        sql.select(A.c.task, S.c.condition, sql.func.count(sql.distinct(A.c.id)), sql.func.count())
+        .select_from(T)
+        .join(A, A.c.id == T.c.assignment)
+        .join(S, S.c.id == A.c.session)
+        .where(A.c.origin == origin, A.c.status == "done", A.c.kind != "practice")
+        .group_by(A.c.task, S.c.condition)
+        .order_by(A.c.task, S.c.condition)
+    )
+    return [StepRow(*row) for row in tx.stream(query)]
+
+
 def live_sessions(tx: Transaction, since: float, stages: list[str]) -> list[Row]:
     """Return the sessions under way with a sign of life since a moment, the latest first."""
     query = (

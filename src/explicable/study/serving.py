@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 GRACE_S = 2
 """Seconds that requests under way get when the server is stopped."""
+START_S = 120
+"""Seconds after which a worker that does not answer is replaced: on a busy machine it takes long to start."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +130,7 @@ class Server:
             access_log=False,
             server_header=False,
             timeout_graceful_shutdown=GRACE_S,
+            timeout_worker_healthcheck=START_S,
         )
 
 

@@ -2,16 +2,17 @@
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import sqlalchemy as sql
 from sqlalchemy import Connection, Engine, Table, event
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
 from explicable.errors import InputError
 from explicable.study import schema as tables
-from explicable.study.writer import Writer
+from explicable.study.writer import UnavailableError, Writer
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -39,25 +40,25 @@ class Transaction:
 
     def add(self, table: Table, **values: object) -> None:
         """Insert a row."""
-        self._connection.execute(table.insert(), values)
+        self._connection.execute(_insert(table), values)
 
     def change(self, table: Table, key: Mapping[str, object], **values: object) -> int:
         """Update the rows with the key's values; return how many there were."""
-        result = self._connection.execute(sql.update(table).where(*_equal(table, key)).values(**values))
-        return int(result.rowcount)
+        statement = _update(table, tuple(key), tuple(values))
+        return int(self._connection.execute(statement, {**values, **_named(key)}).rowcount)
 
     def remove(self, table: Table, **key: object) -> int:
         """Delete the rows with the key's values; return how many there were."""
-        return int(self._connection.execute(sql.delete(table).where(*_equal(table, key))).rowcount)
+        statement = sql.delete(table).where(*_equal(table, tuple(key)))
+        return int(self._connection.execute(statement, _named(key)).rowcount)
 
     def find(self, table: Table, **key: object) -> Row | None:
         """Return the row with the key's values, if there is one."""
-        return self._connection.execute(sql.select(table).where(*_equal(table, key))).first()
+        return self._connection.execute(_select(table, tuple(key), ()), _named(key)).first()
 
     def all(self, table: Table, *order: str, **key: object) -> Sequence[Row]:
         """Return all rows with the key's values, ordered by the columns named."""
-        query = sql.select(table).where(*_equal(table, key)).order_by(*(table.c[name] for name in order))
-        return self._connection.execute(query).all()
+        return self._connection.execute(_select(table, tuple(key), order), _named(key)).all()
 
     def lock_session(self, session: str, request: str) -> Row | None:
         """Return a session's row, which nobody else changes until the end of the transaction.
@@ -99,8 +100,9 @@ class Transaction:
     def count(self, table: Table, *columns: str, **key: object) -> dict[tuple[Any, ...], int]:
         """Count rows by the values of some columns."""
         by = [table.c[name] for name in columns]
-        query = sql.select(*by, sql.func.count()).select_from(table).where(*_equal(table, key)).group_by(*by)
-        return {tuple(row[:-1]): row[-1] for row in self._connection.execute(query)}
+        query = sql.select(*by, sql.func.count()).select_from(table)
+        query = query.where(*_equal(table, tuple(key))).group_by(*by)
+        return {tuple(row[:-1]): row[-1] for row in self._connection.execute(query, _named(key))}
 
     def silent_since(self, moment: float, stages: Sequence[str]) -> list[str]:
         """Return the sessions in one of the stages without a sign of life since a moment."""
@@ -108,11 +110,11 @@ class Transaction:
         query = sql.select(sessions.c.id).where(sessions.c.seen < moment, sessions.c.stage.in_(stages))
         return list(self._connection.scalars(query))
 
-    def revision(self, session: str) -> int | None:
-        """Return how often a session has changed; None if there is no such session."""
-        query = sql.select(tables.SESSIONS.c.revision).where(tables.SESSIONS.c.id == session)
-        found = self._connection.scalar(query)
-        return None if found is None else int(found)
+    def changed_since(self, moment: float) -> list[tuple[str, int]]:
+        """Return the sessions, with their revisions, that were seen since a moment."""
+        sessions = tables.SESSIONS
+        query = sql.select(sessions.c.id, sessions.c.revision).where(sessions.c.seen >= moment)
+        return [(row[0], row[1]) for row in self._connection.execute(query)]
 
     def is_alive(self) -> bool:
         """Tell whether the database answers."""
@@ -157,8 +159,11 @@ class Store:
 
     def read(self, job: Callable[[Transaction], T]) -> T:
         """Run a job that only reads."""
-        with self._reading.connect() as connection:
-            return job(Transaction(connection))
+        try:
+            with self._reading.connect() as connection:
+                return job(Transaction(connection))
+        except OperationalError as error:
+            raise UnavailableError("the database does not answer") from error
 
     def close(self) -> None:
         """Finish what was asked for and let the database go."""
@@ -225,8 +230,31 @@ def to_json(value: object) -> str:
     return json.dumps(value, ensure_ascii=False, sort_keys=True)
 
 
-def _equal(table: Table, key: Mapping[str, object]) -> list[sql.ColumnElement[bool]]:
-    return [table.c[name] == value for name, value in key.items()]
+# Statements are made once for each table and its columns: to make one takes longer than to run it.
+
+
+@cache
+def _insert(table: Table) -> sql.Insert:
+    return table.insert()
+
+
+@cache
+def _update(table: Table, key: tuple[str, ...], values: tuple[str, ...]) -> sql.Update:
+    changes: dict[str, Any] = {name: sql.bindparam(name) for name in values}
+    return sql.update(table).where(*_equal(table, key)).values(**changes)
+
+
+@cache
+def _select(table: Table, key: tuple[str, ...], order: tuple[str, ...]) -> sql.Select[Any]:
+    return sql.select(table).where(*_equal(table, key)).order_by(*(table.c[name] for name in order))
+
+
+def _equal(table: Table, key: tuple[str, ...]) -> list[sql.ColumnElement[bool]]:
+    return [table.c[name] == sql.bindparam(f"key_{name}") for name in key]
+
+
+def _named(key: Mapping[str, object]) -> dict[str, object]:
+    return {f"key_{name}": value for name, value in key.items()}
 
 
 def _without_password(url: str) -> str:

@@ -4,7 +4,7 @@ People and simulated participants are never counted together.
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 from explicable.errors import UsageError
 from explicable.labelling.annotators import krippendorff_alpha
 from explicable.study.materials import Materials
-from explicable.study.records import LabelRow, count_stages, count_tasks, read_labels
+from explicable.study.records import LabelRow, count_stages, count_steps, count_tasks, read_labels
 from explicable.study.store import Transaction
 
 NUM_RESAMPLES = 1000
@@ -59,6 +59,29 @@ class SourceScore:
 
 
 @dataclass(frozen=True, slots=True)
+class PlanScore:
+    """What one task's plans cost, and how explicable they were found; of a played map, the plans that arose.
+
+    Attributes
+    ----------
+    cost
+        Mean number of steps of the whole team, over those who finished.
+    f_robot
+        Share of the labelled robot steps that were called explicable; None without labels.
+    num_finished, num_labels
+        What they rest on.
+    """
+
+    task: str
+    source: str
+    condition: str
+    cost: float
+    f_robot: float | None
+    num_finished: int
+    num_labels: int
+
+
+@dataclass(frozen=True, slots=True)
 class Summary:
     """What the participants of one origin have done.
 
@@ -81,6 +104,7 @@ class Summary:
     tasks: tuple[TaskCount, ...]
     num_labels: int
     scores: tuple[SourceScore, ...]
+    plans: tuple[PlanScore, ...]
     agreement: float | None
     median_latency_s: float | None
     quality: tuple[dict[str, Any], ...]
@@ -107,6 +131,7 @@ def summarise(tx: Transaction, materials: Materials, origin: str) -> Summary:
         tasks=tuple(_task_counts(tx, materials, origin)),
         num_labels=len(labels),
         scores=tuple(_score(source, rows, rng) for source, rows in sorted(by_source.items())),
+        plans=tuple(_plan_scores(tx, materials, origin, labels)),
         agreement=_agreement(labels),
         median_latency_s=float(np.median(latencies)) if latencies else None,
         quality=tuple(_quality(labels)),
@@ -149,6 +174,26 @@ def _score(source: str, rows: Sequence[LabelRow], rng: np.random.Generator) -> S
         num_participants=len(people),
         num_tasks=len(tasks),
     )
+
+
+def _plan_scores(
+    tx: Transaction, materials: Materials, origin: str, labels: Sequence[LabelRow]
+) -> Iterator[PlanScore]:
+    said: dict[tuple[str, str], list[bool]] = defaultdict(list)
+    for label in labels:
+        said[label.task, label.condition].append(label.explicable)
+    for row in count_steps(tx, origin):
+        if row.task in materials.tasks:
+            task, answers = materials.tasks[row.task], said[row.task, row.condition]
+            yield PlanScore(
+                task=row.task,
+                source=task.source if task.kind == "replay" else "play",
+                condition=row.condition,
+                cost=row.num_steps / row.num_finished,
+                f_robot=sum(answers) / len(answers) if answers else None,
+                num_finished=row.num_finished,
+                num_labels=len(answers),
+            )
 
 
 def _agreement(labels: Sequence[LabelRow]) -> float | None:

@@ -11,11 +11,18 @@ from queue import SimpleQueue
 from typing import Any, TypeVar
 
 from sqlalchemy import Connection, Engine
+from sqlalchemy.exc import OperationalError
+
+from explicable.errors import ExplicableError
 
 T = TypeVar("T")
 Job = Callable[[Connection], T]
 
 _MOST_AT_ONCE = 128
+
+
+class UnavailableError(ExplicableError):
+    """The database does not answer now; nothing has been written."""
 
 
 class Writer:
@@ -80,7 +87,8 @@ class Writer:
                 results = [job(connection) for job, _ in batch]
         except BaseException as error:
             if len(batch) == 1:
-                batch[0][1].set_exception(error)
+                gone = isinstance(error, OperationalError)
+                batch[0][1].set_exception(UnavailableError("the database does not answer") if gone else error)
                 return
             for entry in batch:
                 self._commit([entry])

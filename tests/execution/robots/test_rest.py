@@ -9,7 +9,8 @@ from explicable.errors import RobotError, UsageError
 from explicable.execution.robots import Accepted, Failed, Finished, Order, Refused
 from explicable.execution.robots.conformance import Rig, check
 from explicable.execution.robots.messages import MAX_BYTES, ReportMessage, encode_message
-from explicable.execution.robots.rest import RestClient, RestServer
+from explicable.execution.robots.rest import RestServer
+from explicable.execution.robots.rest_client import RestClient
 
 TOKENS = {"r1": "a token of sixteen", "r2": "another of sixteen"}
 

@@ -6,11 +6,13 @@ from contextlib import ExitStack
 from mosquitto import BrokerProcess
 
 from explicable.execution import prepare
-from explicable.execution.dispatch import Dispatcher, DispatchLimits
+from explicable.execution.dispatch import Dispatcher
+from explicable.execution.dispatch_run import DispatchLimits
 from explicable.execution.episodes import Ending
 from explicable.execution.robots import Failed, Finished, SimulatedRobot, SimulatedWorld
 from explicable.execution.robots.mqtt import Broker, MqttClient, MqttFleet
-from explicable.execution.robots.rest import RestClient, RestServer
+from explicable.execution.robots.rest import RestServer
+from explicable.execution.robots.rest_client import RestClient
 from explicable.first_response import World, encode
 from explicable.model.grounding import ground
 from explicable.model.schedule import make_schedule

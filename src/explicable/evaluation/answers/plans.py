@@ -37,6 +37,8 @@ MIN_GAIN, MAX_EXTRA = 0.10, 0.05
 _Cells = dict[str, dict[str, list[Row]]]  # rows by cell and plan
 
 POWER_SIZES = (4, 8, 16, 32, 64, 128)
+MIN_PROBLEMS = 20
+"""Fewer say too little about how problems differ for a power curve."""
 
 
 def answer(experiment: Experiment, records: Sequence[Record]) -> Section:
@@ -272,7 +274,7 @@ def _pictures(cells: _Cells) -> list[Picture]:
 def _power(cells: _Cells) -> list[Picture]:
     curves = {}
     for cell, plans in cells.items():
-        if {"ff", "explicable"} <= plans.keys() and len({row["map"] for row in plans["ff"]}) > 3:
+        if {"ff", "explicable"} <= plans.keys() and len({row["map"] for row in plans["ff"]}) >= MIN_PROBLEMS:
             curve = power_curve(judged(plans["explicable"]), judged(plans["ff"]), POWER_SIZES)
             curves[cell] = [(float(size), Estimate(share, share, share, 200, size)) for size, share in curve]
     if not curves:

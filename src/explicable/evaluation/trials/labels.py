@@ -9,6 +9,7 @@ import numpy as np
 from explicable.evaluation.trials.training import (
     JUDGING,
     PLAYING,
+    PROOF_S,
     draw_participants,
     find_family,
     held_out,
@@ -25,8 +26,6 @@ from explicable.planning import plan_classically, plan_explicably
 
 Row = dict[str, Any]
 Seed = tuple[int, int]
-
-PROOF_S = 60.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,10 +10,12 @@ from explicable.errors import UsageError
 from explicable.evaluation.trials.training import (
     JUDGING,
     PLAYING,
+    PROOF_S,
     HeldOutProblem,
     draw_participants,
     find_family,
     held_out,
+    label_plans,
     train,
     training_traces,
 )
@@ -28,9 +30,6 @@ from explicable.planning import HumanModel, TeamPlan, plan_as_in_paper, plan_cla
 
 Row = dict[str, Any]
 Seed = tuple[int, int]
-
-PROOF_S = 60.0
-"""Far more than any proof on these maps takes, so that records do not hang on the machine's speed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +46,8 @@ class Settings:
         Family of those who judge the plans; empty: the same.
     num_traces
         To learn from.
+    num_own_plans
+        Plans of planners, for the training maps, that participants have labelled too.
     noise
         Share of wrong labels in them; negative: as the family has it.
     symbols, num_copies
@@ -67,6 +68,7 @@ class Settings:
     family: str = "myopic"
     judges: str = ""
     num_traces: int = 34
+    num_own_plans: int = 0
     noise: float = -1.0
     symbols: Literal["lifted", "ground"] = "lifted"
     num_copies: int = 0
@@ -115,9 +117,11 @@ PLANNERS: dict[str, Planner] = {
 def measure(settings: Settings, seed: Seed) -> list[Row]:
     """Train, plan for each map with each planner, and have the plans judged: one row a plan."""
     traces = training_traces(seed, settings.family, settings.semantics, settings.num_traces, settings.noise)
-    known = Knowledge(
-        train(traces, settings.symbols, settings.num_copies), HumanModel.learn(traces), settings.alpha
-    )
+    labeller = train(traces, settings.symbols, settings.num_copies)
+    if settings.num_own_plans:
+        own = label_plans(seed, settings.family, settings.semantics, labeller, settings.num_own_plans)
+        labeller = train([*traces, *own], settings.symbols, settings.num_copies)
+    known = Knowledge(labeller, HumanModel.learn(traces), settings.alpha)
     judges = draw_participants(seed, settings.judges or settings.family, settings.num_judges)
     player, *_ = draw_participants((seed[0], seed[1] + 2**20), settings.judges or settings.family, 1)
     places = (_Place(seed, held, judges) for held in held_out(seed, settings.semantics, settings.num_maps))

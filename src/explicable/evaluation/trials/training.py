@@ -7,14 +7,19 @@ from typing import Literal
 import numpy as np
 
 from explicable.errors import UsageError
-from explicable.execution import Family, Participant, builtin_families, simulate_study
+from explicable.execution import Family, Participant, builtin_families, judge, prepare, simulate_study
 from explicable.first_response import World, builtin_maps, encode, generate
 from explicable.first_response.encoding import Semantics
 from explicable.labelling import Labeller, Trace
+from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
+from explicable.planning import plan_classically, plan_explicably
 
-TRAINING, TESTING, JUDGING, PLAYING = range(4)
+TRAINING, TESTING, JUDGING, PLAYING, LABELLING = range(5)
 """Streams of chance of one trial: the seed's third number."""
+
+PROOF_S = 60.0
+"""Far more than any proof on these maps takes, so that records do not hang on the machine's speed."""
 
 
 def training_traces(
@@ -35,6 +40,33 @@ def training_traces(
     chance = int(np.random.default_rng((*seed, TRAINING)).integers(2**31))
     episodes = simulate_study(problems, who, num_traces=num_traces, seed=chance)
     return [episode.trace for episode in episodes]
+
+
+def label_plans(
+    seed: tuple[int, int], family: str, semantics: Semantics, labeller: Labeller, num: int
+) -> list[Trace]:
+    """Let participants label plans for the training maps: FF's and explicable ones, in turns.
+
+    Games in which the robot follows the person show only a part of what a planner may think of.
+    """
+    traces = []
+    problems = [encode(world, semantics) for world in builtin_maps("training").values()]
+    people = [
+        find_family(family).draw(2000 + k, np.random.default_rng((*seed, LABELLING, k))) for k in range(8)
+    ]
+    for number in range(num):
+        problem, person = problems[number // 2 % len(problems)], people[number // 4 % len(people)]
+        team = ground_team(problem)
+        planned = (
+            plan_explicably(team, labeller, improve_s=PROOF_S)
+            if number % 2
+            else plan_classically(team, algorithm="ff")
+        )
+        if planned.plan is not None:
+            rng = np.random.default_rng((*seed, LABELLING, 1000 + number))
+            steps = judge(prepare(problem), person, planned.plan.actions, rng)
+            traces.append(Trace(problem, steps, person.name, "simulated"))
+    return traces
 
 
 def train(

@@ -124,6 +124,19 @@ def decode_message(data: bytes) -> Message:
     return _Reader(_parse(data)).message()
 
 
+def message_tag(message: Message) -> str:
+    """Return the name by which a message to a robot is told from the others of a session.
+
+    Examples
+    --------
+    >>> message_tag(CancelMessage("s1", "r1", 3))
+    'cancel-3'
+    """
+    if isinstance(message, StepMessage):
+        return f"step-{message.order.number}"
+    return f"cancel-{message.number}" if isinstance(message, CancelMessage) else ""
+
+
 def _kind(message: Message) -> str:
     if isinstance(message, ReportMessage):
         return type(message.report).__name__.lower()

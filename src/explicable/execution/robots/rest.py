@@ -13,7 +13,6 @@ connected while it has been heard within the last ``silence_s``, also while it w
 
 import asyncio
 import hmac
-import http.client
 import math
 import socket
 import threading
@@ -24,13 +23,11 @@ from explicable.errors import RobotError, UsageError
 from explicable.execution.robots.messages import (
     MAX_BYTES,
     CancelMessage,
-    Message,
-    ReportMessage,
     StepMessage,
-    decode_message,
     encode_message,
+    message_tag,
 )
-from explicable.execution.robots.remote import RemoteRobot, RobotSide, new_session
+from explicable.execution.robots.remote import RemoteRobot, new_session
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
@@ -168,7 +165,7 @@ class RestServer:
         ends_at = loop.time() + wait_s
         while True:
             message = robot.next_message()
-            if message is not None and _tag(message) != seen:
+            if message is not None and message_tag(message) != seen:
                 return Response(encode_message(message), media_type="application/json")
             left = ends_at - loop.time()
             if left <= 0 or robot._closed:
@@ -202,80 +199,6 @@ class RestServer:
         if matching != [name]:
             raise HTTPException(403)
         return self.robots[name]
-
-
-class RestClient:
-    """The robot's end: pulls messages and pushes reports. Small enough to be copied into any node.
-
-    Parameters
-    ----------
-    host, port, name, token
-        The server, the robot, and its token.
-
-    Attributes
-    ----------
-    side
-        What has been ordered and answered.
-    """
-
-    def __init__(self, host: str, port: int, name: str, token: str, *, timeout_s: float = 60.0) -> None:
-        self.side = RobotSide(name, self._post)
-        self._address, self._timeout_s = (host, port), timeout_s
-        self._path = f"/v1/robots/{name}"
-        self._headers = {"Authorization": f"Bearer {token}", "Content-Type": "application/json"}
-        self._seen: str | None = None
-
-    def pull(self, wait_s: float = 20.0) -> bool:
-        """Wait for a message; then see ``side.order`` and ``side.cancelled``.
-
-        Returns
-        -------
-        bool
-            Whether a message came.
-
-        Raises
-        ------
-        OSError
-            If the server is out of reach; try again.
-        RobotError
-            If the server refuses.
-        """
-        seen = f"&seen={self._seen}" if self._seen else ""
-        status, body = self._request("GET", f"{self._path}/next?wait_s={wait_s}{seen}", None)
-        if status != 200:
-            return False
-        self._seen = _tag(decode_message(body))
-        self.side.receive(body)
-        return True
-
-    def _post(self, message: ReportMessage) -> None:
-        try:
-            self._request("POST", f"{self._path}/messages", encode_message(message))
-        except OSError:
-            self._seen = None  # the order will come again, and with it the answer goes again
-            raise
-
-    def _request(self, method: str, path: str, body: bytes | None) -> tuple[int, bytes]:
-        connection = http.client.HTTPConnection(*self._address, timeout=self._timeout_s)
-        try:
-            connection.request(method, path, body, self._headers)
-            response = connection.getresponse()
-            content = response.read(MAX_BYTES + 1)
-        except http.client.HTTPException as error:
-            raise ConnectionError(f"the server's answer broke off ({error!r})") from error
-        finally:
-            connection.close()
-        if response.status >= 400:
-            raise RobotError(
-                f"the server answers {response.status}: {content[:200].decode(errors='replace')}"
-            )
-        return response.status, content
-
-
-def _tag(message: Message) -> str:
-    if isinstance(message, StepMessage):
-        return f"step-{message.order.number}"
-    return f"cancel-{message.number}" if isinstance(message, CancelMessage) else ""
 
 
 def _answer(status: int, **content: object) -> "Response":
