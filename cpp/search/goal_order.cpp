@@ -59,7 +59,7 @@ std::optional<GoalOrder::Parts> GoalOrder::serialise(const std::vector<FactId>& 
             if (status == Status::solved) {
                 steps = climbing.plan();
             } else {
-                LazySearch lazy(part, Preferred::helpful, labelled_, seed_, true);
+                LazySearch lazy(part, Preferred::helpful, labelled_, seed_, Ahead::bridged);
                 if (monitor.stop() != Stop::none || lazy.run(monitor, few) != Status::solved) return std::nullopt;
                 steps = lazy.plan();
             }
