@@ -33,13 +33,14 @@ def make_page(
     run
         What `explicable.evaluation.runner.describe_run` said.
     """
+    num_trials = sum(len(experiment.trials()) for experiment in experiments)
     work_s = sum(record["trial_s"] for found in records.values() for record in found)
     facts = {
         "date": run["date"],
         "machine": run["machine"],
         "versions": ", ".join(f"{name} {version}" for name, version in run["versions"].items()),
         "seeds": ", ".join(f"{experiment.name} {experiment.seed}" for experiment in experiments),
-        "trials": str(sum(map(len, records.values()))),
+        "trials": f"{sum(map(len, records.values()))} done of {num_trials}",
         "duration": f"{work_s / 60:.1f} minutes of work, all processes together",
     }
     sections = tuple(answer(experiment, records[experiment.name]) for experiment in experiments)

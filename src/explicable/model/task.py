@@ -8,6 +8,7 @@ from typing import NewType
 from explicable import _core
 from explicable.errors import PlanError, UsageError
 from explicable.model.explanation import failing_part, format_formula
+from explicable.model.memory import available_memory_bytes
 from explicable.model.problem import GroundAtom, Problem
 
 State = NewType("State", bytes)
@@ -67,6 +68,14 @@ class Task:
     def initial_state(self) -> State:
         """The state at the start."""
         return State(self.core.pack(self.core.initial))
+
+    @cached_property
+    def search_memory_bytes(self) -> int:
+        """What a search may hold by default: three fifths of what was left at the task's first search.
+
+        Asked once, since the operating system takes up to a millisecond to answer.
+        """
+        return available_memory_bytes() // 5 * 3
 
     def action(self, operator: int) -> GroundAtom:
         """Return ``(schema, object, ...)`` of an operator; the empty tuple if it is auxiliary."""

@@ -6,7 +6,6 @@ from typing import Literal
 
 from explicable import _core
 from explicable.errors import UsageError
-from explicable.model.memory import available_memory_bytes
 from explicable.model.problem import GroundAtom
 from explicable.model.task import State, Task
 from explicable.search.result import Outcome, SearchResult
@@ -80,8 +79,8 @@ def search(
         0: ties go by the order of generation. Any other seed shuffles them; the same seed, the same result.
     time_limit_s, memory_limit_bytes, max_evaluations
         Wall-clock seconds; bytes held by nodes, open lists and what the search prepares, by default three
-        fifths of what the machine and its control group have left (containers that grow take up to a third
-        more for moments); heuristic values computed.
+        fifths of what the machine and its control group had left at the task's first search (containers that
+        grow take up to a third more for moments); heuristic values computed.
     scorer
         With a compiled path scorer, ``"default"``, ``"ff"``, ``"lazy"`` and ``"eager"`` search by
         h = (1 + c) * length(rp) (Eq. 4), where c counts the inexplicable steps in path # rp; best-first
@@ -138,7 +137,7 @@ def search(
     if not goal_reachable:
         return _UNREACHABLE
     if memory_limit_bytes is None:
-        memory_limit_bytes = available_memory_bytes() // 5 * 3
+        memory_limit_bytes = task.search_memory_bytes
     try:
         answer = _core.search(
             task.core,

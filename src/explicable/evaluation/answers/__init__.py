@@ -21,6 +21,6 @@ def answer(experiment: Experiment, records: Sequence[Record]) -> Section:
     """Answer an experiment's question from its records alone."""
     done = [record for record in records if record["outcome"] == "done"]
     if not done:
-        return Section(experiment.name, experiment.question, ("No trial came to an end.",))
+        return Section(experiment.name, experiment.question, ("Nothing yet: no trial has been done.",))
     section: Section = import_module(KINDS[experiment.kind]).answer(experiment, done)
     return section
