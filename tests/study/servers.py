@@ -69,18 +69,6 @@ class Postgres:
         self.server = get_server(self.folder)
         self.url = self.server.get_uri().replace("postgresql", DRIVER, 1)
 
-    def kill(self):
-        """End all of its processes as a loss of power would, then start it again."""
-        pid = int((self.folder / "postmaster.pid").read_text().splitlines()[0])
-        listed = subprocess.run(["pgrep", "-P", str(pid)], capture_output=True, text=True, check=False)
-        for process in (pid, *map(int, listed.stdout.split())):
-            try:
-                os.kill(process, signal.SIGKILL)
-            except ProcessLookupError:
-                continue  # its parent's end was its own
-        time.sleep(0.2)
-        self.server.ensure_postgres_running()
-
     def stop(self):
         self.server.cleanup()
         shutil.rmtree(self.folder.parent, ignore_errors=True)
