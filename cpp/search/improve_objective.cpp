@@ -95,7 +95,7 @@ private:
             if (!near.prepare_near(monitor_, *best.plan, neighbourhoods[size], best.objective - rounding, offer(best)))
                 return false;
             if (!search_beam(question_, closing_, near, beam_widths[size], monitor_, best)) return false;
-            if (best.objective > (1.0 - worthwhile) * before) ++size;
+            if (best.objective >= (1.0 - worthwhile) * before) ++size;  // also where both are 0
         }
         return monitor_.stop() == Stop::none;
     }
