@@ -13,8 +13,8 @@ from small_studies import PLANS, write_study
 from explicable.cli import EXIT_BAD_INPUT, EXIT_TRIALS_FAILED, EXIT_USAGE
 from explicable.cli import run as command_line
 from explicable.errors import InputError, UsageError
-from explicable.evaluation.experiments import Trial, builtin_experiments, parse_experiment, read_experiment
-from explicable.evaluation.records import RecordFile, make_record, without_measurements
+from explicable.evaluation.experiments import builtin_experiments, parse_experiment, read_experiment
+from explicable.evaluation.records import RecordFile, Trial, make_record, without_measurements
 from explicable.evaluation.runner import run_experiments
 
 

@@ -14,6 +14,7 @@ from explicable.cli.files import (
     naming_plan,
     team_problem_arguments,
 )
+from explicable.cli.outcomes import exit_code
 from explicable.cli.prices import HumanSteps, human_step_options
 from explicable.cli.progress import working
 from explicable.model.plan import format_action
@@ -146,7 +147,6 @@ def tell(
 
 def print_told(result: "ToldPlan", output: Path | None, *, as_json: bool) -> int:
     """Print a plan that may tell, or write it to a file; return the exit code."""
-    from explicable.cli.plan import exit_code
     from explicable.model.files import write_whole
 
     text = "\n".join([*result.lines, f"; cost = {result.plan.cost}"]) + "\n" if result.plan else ""

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 import click
 
-from explicable.cli import EXIT_INTERRUPTED, EXIT_LIMIT, EXIT_UNSOLVABLE
 from explicable.cli.budgets import Budget, budget_options
 from explicable.cli.explain import print_told
 from explicable.cli.files import (
@@ -18,11 +17,12 @@ from explicable.cli.files import (
     team_problem_arguments,
     warn_of_hopeless,
 )
+from explicable.cli.outcomes import exit_code
 from explicable.cli.prices import HumanSteps, human_step_options, improvement_options, show_progress
 
 if TYPE_CHECKING:
-    from explicable.planning import TeamPlan, ToldPlan
-    from explicable.search import Algorithm, Outcome
+    from explicable.planning import TeamPlan
+    from explicable.search import Algorithm
 
 SCORES = ("f_paper", "f_robot", "f_expected")
 
@@ -259,20 +259,3 @@ def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:
         "evaluations": result.evaluations,
         "time": times,
     }
-
-
-def exit_code(result: "TeamPlan | ToldPlan") -> int:
-    """Exit code of a plan's outcome; a plan in hand is success, however the search ended."""
-    return 0 if result.plan is not None else failure_code(result.outcome)
-
-
-def failure_code(outcome: "Outcome") -> int:
-    """Exit code where there is no plan."""
-    from explicable.search import Outcome
-
-    codes = {
-        Outcome.UNSOLVABLE: EXIT_UNSOLVABLE,
-        Outcome.LIMIT: EXIT_LIMIT,
-        Outcome.INTERRUPTED: EXIT_INTERRUPTED,
-    }
-    return codes[outcome]

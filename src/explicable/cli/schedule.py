@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, naming, team_problem_arguments
-from explicable.cli.plan import failure_code
+from explicable.cli.outcomes import failure_code
 from explicable.errors import PlanError
 from explicable.model.plan import format_action
 

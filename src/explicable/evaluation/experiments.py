@@ -19,7 +19,6 @@ they can be compared in pairs.
 """
 
 import itertools
-import json
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
@@ -29,9 +28,8 @@ from pathlib import Path
 from typing import Any
 
 from explicable.errors import InputError, UsageError
-
-Settings = Mapping[str, Any]
-"""By name: text, numbers, switches, or lists of them."""
+from explicable.evaluation.records import Settings, Trial
+from explicable.evaluation.trials import check_settings
 
 _WORDS: Mapping[str, type] = {
     "question": str,
@@ -42,56 +40,6 @@ _WORDS: Mapping[str, type] = {
     "cells": list,
     "quick": dict,
 }
-
-
-@dataclass(frozen=True, slots=True)
-class Trial:
-    """One run of an experiment: everything that it depends on.
-
-    Parameters
-    ----------
-    experiment
-        Its name.
-    kind
-        What is measured.
-    settings
-        Of its cell.
-    repeat
-        Number of the trial in its cell, from 0.
-    seed
-        Of all its chance.
-    """
-
-    experiment: str
-    kind: str
-    settings: Settings
-    repeat: int
-    seed: tuple[int, int]
-
-    @property
-    def key(self) -> str:
-        """What tells this trial from others; part of its record.
-
-        Examples
-        --------
-        >>> Trial("small", "plans", {"alpha": 1.0}, 0, (1, 0)).key
-        '{"experiment": "small", "kind": "plans", "settings": {"alpha": 1.0}, "repeat": 0, "seed": [1, 0]}'
-        """
-        return json.dumps(
-            {
-                "experiment": self.experiment,
-                "kind": self.kind,
-                "settings": dict(sorted(self.settings.items())),
-                "repeat": self.repeat,
-                "seed": list(self.seed),
-            }
-        )
-
-    @classmethod
-    def from_key(cls, key: str) -> "Trial":
-        """Make a trial from its key."""
-        fields = json.loads(key)
-        return cls(**{**fields, "seed": tuple(fields["seed"])})
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,8 +139,6 @@ def parse_experiment(
     >>> [dict(cell) for cell in parse_experiment(text, "small").cells]
     [{'alpha': 0.5, 'semantics': 'exclusive'}, {'alpha': 1.0, 'semantics': 'exclusive'}]
     """
-    from explicable.evaluation.trials import check_settings
-
     try:
         content = tomllib.loads(text)
         _check_words(content, {"question", "kind"})

@@ -1,23 +1,76 @@
-"""Records: one JSON line a trial, appended as it ends, so that an interruption costs only what was under way.
+"""Trials and their records: one JSON line each.
 
-Names of numbers that differ from run to run end in ``_s`` (seconds) or ``_bytes``; all others follow from the
-seed alone.
+A record is appended as its trial ends, so that an interruption costs only what is under way. Names of numbers
+that differ from run to run end in ``_s`` (seconds) or ``_bytes``; all others follow from the seed alone.
 """
 
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from explicable.errors import InputError, UsageError
-from explicable.evaluation.experiments import Trial
 from explicable.model.files import write_whole
+
+Settings = Mapping[str, Any]
+"""By name: text, numbers, switches, or lists of them."""
 
 Record = dict[str, Any]
 """A trial's key and what came of it: ``outcome`` (done or failed), ``rows``, ``error``, ``trial_s``."""
 
 _KEY = ("experiment", "kind", "settings", "repeat", "seed")
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One run of an experiment: everything that it depends on.
+
+    Parameters
+    ----------
+    experiment
+        Its name.
+    kind
+        What is measured.
+    settings
+        Of its cell.
+    repeat
+        Number of the trial in its cell, from 0.
+    seed
+        Of all its chance.
+    """
+
+    experiment: str
+    kind: str
+    settings: Settings
+    repeat: int
+    seed: tuple[int, int]
+
+    @property
+    def key(self) -> str:
+        """What tells this trial from others; part of its record.
+
+        Examples
+        --------
+        >>> Trial("small", "plans", {"alpha": 1.0}, 0, (1, 0)).key
+        '{"experiment": "small", "kind": "plans", "settings": {"alpha": 1.0}, "repeat": 0, "seed": [1, 0]}'
+        """
+        return json.dumps(
+            {
+                "experiment": self.experiment,
+                "kind": self.kind,
+                "settings": dict(sorted(self.settings.items())),
+                "repeat": self.repeat,
+                "seed": list(self.seed),
+            }
+        )
+
+    @classmethod
+    def from_key(cls, key: str) -> "Trial":
+        """Make a trial from its key."""
+        fields = json.loads(key)
+        return cls(**{**fields, "seed": tuple(fields["seed"])})
 
 
 class RecordFile:

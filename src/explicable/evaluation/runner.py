@@ -9,8 +9,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from explicable.evaluation.experiments import Experiment, Trial
-from explicable.evaluation.records import Record, RecordFile
+from explicable.evaluation.experiments import Experiment
+from explicable.evaluation.records import Record, RecordFile, Trial
 from explicable.evaluation.workers import run_here, run_on_dask
 from explicable.model.files import write_whole
 

@@ -6,8 +6,7 @@ A trial travels as its key and comes back as its record's line: plain text, what
 from collections.abc import Iterator, Sequence
 
 from explicable.errors import UsageError
-from explicable.evaluation.experiments import Trial
-from explicable.evaluation.records import format_record, make_record
+from explicable.evaluation.records import Trial, format_record, make_record
 from explicable.evaluation.trials import perform
 
 CONNECT_S = 30

@@ -24,7 +24,7 @@ from explicable.study.store import Transaction
 from explicable.study.summary import summarise
 
 if TYPE_CHECKING:
-    from explicable.study.app import Server
+    from explicable.study.server import Server
 
 LIVE_S = 120
 """Seconds since the last sign of life up to which a session counts as live."""

@@ -5,8 +5,6 @@ import threading
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
-from functools import cached_property
 from importlib import metadata
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -24,14 +22,13 @@ from explicable.study.conduct import Conduct, Standing, UnknownSessionError
 from explicable.study.enrolment import NoPlaceError, RepeatError, start
 from explicable.study.forms import read_form
 from explicable.study.ledger import Request
-from explicable.study.materials import Materials
 from explicable.study.pages import Pages
 from explicable.study.protocol import ConflictError
 from explicable.study.recruitment import Recruit, read_parameters
 from explicable.study.security import SESSION_COOKIE, Guard, Keys, Limiter
+from explicable.study.server import Server
 from explicable.study.store import Store, Transaction
 from explicable.study.view import View, view_of
-from explicable.study.watch import Watch
 from explicable.study.writer import UnavailableError
 
 HERE = Path(__file__).parent
@@ -68,58 +65,6 @@ class Problem(BaseModel):
 
     error: str
     view: View | None = None
-
-
-@dataclass(frozen=True)
-class Server:
-    """What the routes share."""
-
-    materials: Materials
-    store: Store
-    keys: Keys
-    conduct: Conduct
-    pages: Pages
-    closing: threading.Event
-
-    @cached_property
-    def watch(self) -> Watch:
-        """What tells open pages of changes."""
-        return Watch(lambda since: self.read(lambda tx: tx.changed_since(since)), self.closing.is_set)
-
-    async def write(self, job: Callable[[Transaction], T]) -> T:
-        """Let a job run that may write; done when what it did is on the disk."""
-        result: T = await asyncio.wrap_future(self.store.submit(job))
-        return result
-
-    async def read(self, job: Callable[[Transaction], T]) -> T:
-        """Run a job that only reads."""
-        return await asyncio.to_thread(self.store.read, job)
-
-    def session(self, request: HTTPRequest) -> str:
-        """Return the session that a cookie names.
-
-        Raises
-        ------
-        HTTPException
-            401 without a cookie that was signed here.
-        """
-        session = self.keys.read("session", request.cookies.get(SESSION_COOKIE))
-        if not isinstance(session, str):
-            raise HTTPException(401, "no session: please open the link of the study again")
-        return session
-
-    def own_session(self, request: HTTPRequest, token: str | None) -> str:
-        """Return the session, where the request comes from one of its own pages.
-
-        Raises
-        ------
-        HTTPException
-            403 if the token does not belong to the session.
-        """
-        session = self.session(request)
-        if not self.keys.is_token(session, token):
-            raise HTTPException(403, "this request does not come from a page of the study")
-        return session
 
 
 def create_app(

@@ -14,7 +14,7 @@ from explicable.model.files import write_whole
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from explicable.study.app import Server
+    from explicable.study.server import Server
 
 NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,40}")
 LARGEST = 20

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from explicable.errors import UsageError
-from explicable.evaluation.experiments import Settings, Trial
-from explicable.evaluation.records import Record, make_record
+from explicable.evaluation.records import Record, Settings, Trial, make_record
 
 KINDS: Mapping[str, str] = {
     "plans": "explicable.evaluation.trials.plans",

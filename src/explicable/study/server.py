@@ -1,0 +1,71 @@
+"""What all routes share: the study's parts, jobs on the database, and whose session a request belongs to."""
+
+import asyncio
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeVar
+
+from fastapi import HTTPException, Request
+
+from explicable.study.conduct import Conduct
+from explicable.study.materials import Materials
+from explicable.study.pages import Pages
+from explicable.study.security import SESSION_COOKIE, Keys
+from explicable.study.store import Store, Transaction
+from explicable.study.watch import Watch
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Server:
+    """What the routes share."""
+
+    materials: Materials
+    store: Store
+    keys: Keys
+    conduct: Conduct
+    pages: Pages
+    closing: threading.Event
+
+    @cached_property
+    def watch(self) -> Watch:
+        """What tells open pages of changes."""
+        return Watch(lambda since: self.read(lambda tx: tx.changed_since(since)), self.closing.is_set)
+
+    async def write(self, job: Callable[[Transaction], T]) -> T:
+        """Let a job run that may write; done when what it did is on the disk."""
+        result: T = await asyncio.wrap_future(self.store.submit(job))
+        return result
+
+    async def read(self, job: Callable[[Transaction], T]) -> T:
+        """Run a job that only reads."""
+        return await asyncio.to_thread(self.store.read, job)
+
+    def session(self, request: Request) -> str:
+        """Return the session that a cookie names.
+
+        Raises
+        ------
+        HTTPException
+            401 without a cookie that was signed here.
+        """
+        session = self.keys.read("session", request.cookies.get(SESSION_COOKIE))
+        if not isinstance(session, str):
+            raise HTTPException(401, "no session: please open the link of the study again")
+        return session
+
+    def own_session(self, request: Request, token: str | None) -> str:
+        """Return the session, where the request comes from one of its own pages.
+
+        Raises
+        ------
+        HTTPException
+            403 if the token does not belong to the session.
+        """
+        session = self.session(request)
+        if not self.keys.is_token(session, token):
+            raise HTTPException(403, "this request does not come from a page of the study")
+        return session
