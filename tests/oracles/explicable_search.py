@@ -3,27 +3,34 @@
 import heapq
 import itertools
 from collections import deque
+from fractions import Fraction
 
 from explicable import _core
 
 INFINITY = float("inf")
 
 
-def value(task, weights, path, state):
-    """h = (1 + c) * len(rp), c the weight of all steps of path # rp; with the state's helpful operators."""
+def weighing(weights):
+    """Explicability by weights of operators, each the probability that the step is inexplicable."""
+    return lambda steps, _: 1 - Fraction(sum(weights[step] for step in steps)) / max(len(steps), 1)
+
+
+def value(task, explicability, path, state):
+    """Eq. 4; explicability is F of path # rp, of whose steps the first so many are the path."""
     answer = _core.relaxed_plan(task.core, state, task.goal)
     if answer is None:
         return INFINITY
-    relaxed_plan = answer[1]
-    return (1.0 + sum(weights[step] for step in (*path, *relaxed_plan))) * len(relaxed_plan)
+    rp = tuple(answer[1])
+    joined = path + rp
+    return (1 - explicability(joined, len(path))) * len(joined) * len(rp) + len(rp)
 
 
-def climb(task, weights):
+def climb(task, explicability):
     """Enforced hill-climbing over helpful actions; None where it fails."""
     state, path = task.initial_state, ()
     if task.is_goal(state):
         return path
-    best = value(task, weights, path, state)
+    best = value(task, explicability, path, state)
     if best == INFINITY:
         return None
     while True:
@@ -40,7 +47,7 @@ def climb(task, weights):
                 longer = (*steps, step)
                 if task.is_goal(after):
                     return longer
-                h = value(task, weights, longer, after)
+                h = value(task, explicability, longer, after)
                 if h < best:
                     best, found = h, (after, longer)
                     break
@@ -51,11 +58,11 @@ def climb(task, weights):
         state, path = found
 
 
-def best_first(task, weights):
+def best_first(task, explicability):
     """Eager best-first search by f = g + h, ties by h, then by age; a state is looked at once."""
     ages = itertools.count()
     seen = {task.initial_state}
-    h = value(task, weights, (), task.initial_state)
+    h = value(task, explicability, (), task.initial_state)
     heap = [(h, h, next(ages), task.initial_state, (), 0)]
     while heap:
         f, _, _, state, path, cost = heapq.heappop(heap)
@@ -69,7 +76,7 @@ def best_first(task, weights):
                 continue
             seen.add(after)
             longer, new_cost = (*path, step), cost + task.cost(step)
-            h = value(task, weights, longer, after)
+            h = value(task, explicability, longer, after)
             heapq.heappush(heap, (new_cost + h, h, next(ages), after, longer, new_cost))
     return None
 

@@ -9,7 +9,7 @@ from explicable import _core
 from explicable.errors import UsageError
 from explicable.model.grounding import ground
 from explicable.search import Outcome, search
-from oracles.explicable_search import best_first, climb, least_objective
+from oracles.explicable_search import best_first, climb, least_objective, weighing
 from oracles.tiny_tasks import TinyEffect, TinyOperator, TinyTask
 
 
@@ -25,9 +25,9 @@ def test_hill_climbing_and_best_first_search_follow_equation_4(tiny, data):
     if not task.goal_reachable:
         return
     scorer = _core.CountingScorer(weights)
-    by_the_book = best_first(task, weights)
+    by_the_book = best_first(task, weighing(weights))
     assert search(task, "eager", scorer=scorer).operators == by_the_book
-    climbed = climb(task, weights)
+    climbed = climb(task, weighing(weights))
     assert search(task, "ff", scorer=scorer).operators == (by_the_book if climbed is None else climbed)
 
 
@@ -36,7 +36,7 @@ def test_weights_of_zero_leave_hill_climbing_as_it_was(tiny, data):
     task, weights = grounded(tiny, data)
     nothing = _core.CountingScorer([0.0] * len(weights))
     assert search(task, "ff", scorer=nothing).outcome is search(task, "ff").outcome
-    if climb(task, [0.0] * len(weights)) is not None:
+    if climb(task, weighing([0.0] * len(weights))) is not None:
         assert search(task, "ff", scorer=nothing).operators == search(task, "ff").operators
 
 
