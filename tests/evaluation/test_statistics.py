@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from statsmodels.stats.multitest import multipletests
 
 from explicable.errors import UsageError
 from explicable.evaluation.statistics import (
     Counts,
     compare_with_gee,
+    correct_by_holm,
     estimate,
     estimate_difference,
     estimate_ratio,
@@ -78,6 +80,12 @@ def test_many_comparisons_make_each_less_sure():
         (alone,) = compare_with_gee({"a": counts["a"], name: counts[name]}, "a")
         assert together[name] >= alone.p_value * 0.5  # correlations are estimated anew
     assert min(together.values()) <= max(together.values()) <= 1
+
+
+def test_corrected_p_values_are_those_of_statsmodels():
+    p_values = np.random.default_rng(7).beta(0.3, 1.0, (20, 6)).round(2)  # with ties
+    for row in p_values:
+        assert correct_by_holm(row) == pytest.approx(multipletests(row, method="holm")[1])
 
 
 def test_power_grows_with_the_number_of_problems():

@@ -4,8 +4,9 @@ Observations are counts: so many of so many steps, of one problem and one partic
 over sums), intervals come from a bootstrap that draws problems and participants anew, both with replacement.
 """
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ NUM_DRAWS = 1000
 """Of the bootstrap."""
 
 _SEED = 20
-_Weights = NDArray[np.float64]
+_Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,9 +92,8 @@ def estimate(counts: Counts, *, num_draws: int = NUM_DRAWS) -> Estimate:
     >>> found.value, found.low <= found.value <= found.high, found.num_clusters
     (0.725, True, 2)
     """
-    part, whole = np.array(counts.part, float), np.array(counts.whole, float)
-    draws = _draw_weights([counts], num_draws)[0]
-    return _summarise(_ratio(part, whole), _ratios(draws, part, whole), counts)
+    (draws,) = _draw_ratios([counts], num_draws)
+    return _summarise(_ratio(counts), draws, counts)
 
 
 def estimate_difference(one: Counts, other: Counts, *, num_draws: int = NUM_DRAWS) -> Estimate:
@@ -106,18 +106,14 @@ def estimate_difference(one: Counts, other: Counts, *, num_draws: int = NUM_DRAW
     >>> round(estimate_difference(one, other).value, 3)
     0.2
     """
-    values = [(np.array(c.part, float), np.array(c.whole, float)) for c in (one, other)]
-    weights = _draw_weights([one, other], num_draws)
-    draws = _ratios(weights[0], *values[0]) - _ratios(weights[1], *values[1])
-    return _summarise(_ratio(*values[0]) - _ratio(*values[1]), draws, one)
+    draws, others = _draw_ratios([one, other], num_draws)
+    return _summarise(_ratio(one) - _ratio(other), draws - others, one)
 
 
 def estimate_ratio(one: Counts, other: Counts, *, num_draws: int = NUM_DRAWS) -> Estimate:
     """Estimate the quotient of two pooled ratios, drawn as in `estimate_difference`."""
-    values = [(np.array(c.part, float), np.array(c.whole, float)) for c in (one, other)]
-    weights = _draw_weights([one, other], num_draws)
-    draws = _ratios(weights[0], *values[0]) / _ratios(weights[1], *values[1])
-    return _summarise(_ratio(*values[0]) / _ratio(*values[1]), draws, one)
+    draws, others = _draw_ratios([one, other], num_draws)
+    return _summarise(_ratio(one) / _ratio(other), draws / others, one)
 
 
 def standardised_difference(one: Sequence[float], other: Sequence[float]) -> float:
@@ -189,8 +185,9 @@ def compare_with_gee(counts: dict[str, Counts], reference: str, *, alpha: float 
     Liang & Zeger, "Longitudinal data analysis using generalized linear models", Biometrika 73, 1986; robust
     errors. Holm, "A simple sequentially rejective multiple test procedure", Scand. J. Statistics 6, 1979.
     """
-    import statsmodels.api as sm
-    from statsmodels.stats.multitest import multipletests
+    from statsmodels.genmod.cov_struct import Exchangeable
+    from statsmodels.genmod.families import Binomial
+    from statsmodels.genmod.generalized_estimating_equations import GEE
 
     others = [name for name in counts if name != reference]
     answers: list[list[float]] = []
@@ -207,15 +204,15 @@ def compare_with_gee(counts: dict[str, Counts], reference: str, *, alpha: float 
     if len(numbers) < 2:
         raise UsageError("a comparison needs at least two problems")
     order = np.argsort([numbers[group] for group in groups], kind="stable")
-    model = sm.GEE(
+    model = GEE(
         np.array(answers)[order],
         np.array(design)[order],
         groups=np.array([numbers[group] for group in groups])[order],
-        family=sm.families.Binomial(),
-        cov_struct=sm.cov_struct.Exchangeable(),
+        family=Binomial(),
+        cov_struct=Exchangeable(),
     )
     fitted = model.fit()
-    corrected = multipletests(fitted.pvalues[1:], alpha=alpha, method="holm")[1]
+    corrected = correct_by_holm(fitted.pvalues[1:])
     ends = np.exp(fitted.conf_int(alpha)[1:])
     return [
         Effect(
@@ -230,27 +227,60 @@ def compare_with_gee(counts: dict[str, Counts], reference: str, *, alpha: float 
     ]
 
 
-def _draw_weights(counts: Sequence[Counts], num_draws: int) -> list[_Weights]:
-    """Draw weights of observations (draws x observations); a cluster weighs the same in all counts."""
-    rng = np.random.default_rng(_SEED)
-    weights = [np.ones((num_draws, len(c.part))) for c in counts]
-    for clusters in ([c.problems for c in counts], [c.participants for c in counts]):
-        names = {name: k for k, name in enumerate(dict.fromkeys(name for part in clusters for name in part))}
-        if len(names) > 1:
-            drawn = rng.multinomial(len(names), np.full(len(names), 1 / len(names)), size=num_draws)
-            for weight, part in zip(weights, clusters, strict=True):
-                np.multiply(weight, drawn[:, [names[name] for name in part]], out=weight)
-    return weights
+def correct_by_holm(p_values: Sequence[float]) -> list[float]:
+    """Correct p values of comparisons made together.
+
+    The least is multiplied by the number of comparisons, the next by one less, and so on; none falls below a
+    lesser one.
+
+    Examples
+    --------
+    >>> correct_by_holm([0.25, 0.125, 0.5])
+    [0.5, 0.375, 0.5]
+    """
+    order = np.argsort(p_values, kind="stable")
+    factors = np.arange(len(order), 0, -1)
+    corrected = np.empty(len(order))
+    corrected[order] = np.minimum(np.maximum.accumulate(np.asarray(p_values)[order] * factors), 1.0)
+    return [float(p) for p in corrected]
 
 
-def _ratio(part: _Weights, whole: _Weights) -> float:
-    return float(part.sum() / whole.sum()) if whole.sum() else float("nan")
-
-
-def _ratios(weights: _Weights, part: _Weights, whole: _Weights) -> _Weights:
-    sums = weights @ whole
-    ratios: _Weights = np.divide(weights @ part, sums, out=np.full(len(sums), np.nan), where=sums > 0)
+def _draw_ratios(counts: Sequence[Counts], num_draws: int) -> list[_Array]:
+    """Return pooled ratios of each counts, clusters drawn anew; a cluster weighs the same in all counts."""
+    problems = _number(name for c in counts for name in c.problems)
+    people = _number(name for c in counts for name in c.participants)
+    by_problem, by_person = _draw_weights(len(problems), len(people), num_draws)
+    ratios = []
+    for c in counts:
+        cells = [problems[name] for name in c.problems], [people[name] for name in c.participants]
+        table = np.zeros((2, len(problems), len(people)))
+        for values, into in zip((c.part, c.whole), table, strict=True):
+            np.add.at(into, cells, values)
+        part, whole = ((by_problem @ values * by_person).sum(axis=1) for values in table)
+        ratios.append(np.divide(part, whole, out=np.full(num_draws, np.nan), where=whole > 0))
     return ratios
+
+
+def _number(names: Iterable[Hashable]) -> dict[Hashable, int]:
+    return {name: number for number, name in enumerate(dict.fromkeys(names))}
+
+
+@lru_cache(maxsize=32)  # a page asks for the same few again and again
+def _draw_weights(num_problems: int, num_people: int, num_draws: int) -> tuple[_Array, _Array]:
+    """Draw weights of problems and of participants (draws x clusters); what is alone weighs one."""
+    rng = np.random.default_rng(_SEED)
+    by_problem, by_person = (
+        rng.multinomial(num, np.full(num, 1 / num), size=num_draws).astype(float)
+        if num > 1
+        else np.ones((num_draws, 1))
+        for num in (num_problems, num_people)
+    )
+    return by_problem, by_person
+
+
+def _ratio(counts: Counts) -> float:
+    part, whole = sum(counts.part), sum(counts.whole)
+    return float(part / whole) if whole else float("nan")
 
 
 def _of_problem(counts: Counts, problem: Hashable) -> float:
@@ -258,7 +288,7 @@ def _of_problem(counts: Counts, problem: Hashable) -> float:
     return sum(counts.part[k] for k in chosen) / max(sum(counts.whole[k] for k in chosen), 1e-9)
 
 
-def _summarise(value: float, draws: _Weights, counts: Counts) -> Estimate:
+def _summarise(value: float, draws: _Array, counts: Counts) -> Estimate:
     found = draws[np.isfinite(draws)]
     low, high = np.quantile(found, (0.025, 0.975)) if len(found) else (value, value)
     return Estimate(value, float(low), float(high), len(counts.part), len(set(counts.problems)))
