@@ -1,8 +1,9 @@
 """Results as a reader sees them: questions, answers, tables and figures, as HTML, Markdown and LaTeX."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from explicable.evaluation.report import check_picture, make_environment
@@ -35,13 +36,18 @@ class Table:
     note: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # no slots: the drawing is kept
 class Picture:
-    """A figure: an SVG element, and what it shows."""
+    """A figure, and what it shows; it is drawn when it is first asked for, as Markdown has none."""
 
     name: str
     title: str
-    svg: str
+    draw: Callable[[], str]
+
+    @cached_property
+    def svg(self) -> str:
+        """The SVG element."""
+        return self.draw()
 
 
 @dataclass(frozen=True, slots=True)

@@ -81,8 +81,11 @@ def _calibration(cells: _Cells) -> Picture:
             curves[f"{cell}: {PLANS[name]}"] = list(
                 zip(found.predicted.tolist(), found.observed.tolist(), found.num_steps.tolist(), strict=True)
             )
-    svg = to_svg(lambda axes: plot_calibration(curves, axes), width=8, height=4)
-    return Picture("calibration", "Calibration (first two cells)", svg)
+    return Picture(
+        "calibration",
+        "Calibration (first two cells)",
+        lambda: to_svg(lambda axes: plot_calibration(curves, axes), width=8, height=4),
+    )
 
 
 def _steps(rows: Sequence[Row]) -> tuple[list[bool], list[float]]:

@@ -29,17 +29,21 @@ def answer(experiment: Experiment, records: Sequence[Record]) -> Section:
         cell: {TITLES[name]: estimate(_inexplicable(found)) for name, found in plans.items()}
         for cell, plans in cells.items()
     }
-    svg = to_svg(
-        lambda axes: plot_intervals(groups, axes, label="inexplicable robot steps in a game"),
-        width=8,
-        height=1.2 + 0.9 * len(groups),
+    picture = Picture(
+        "inexplicable",
+        "Inexplicable robot steps in a game, by strategy",
+        lambda: to_svg(
+            lambda axes: plot_intervals(groups, axes, label="inexplicable robot steps in a game"),
+            width=8,
+            height=1.2 + 0.9 * len(groups),
+        ),
     )
     return Section(
         experiment.name,
         experiment.question,
         tuple(_answer(cell, plans) for cell, plans in cells.items()),
         (_measures(cells), _differences(cells)),
-        (Picture("inexplicable", "Inexplicable robot steps in a game, by strategy", svg),),
+        (picture,),
     )
 
 

@@ -1,6 +1,7 @@
 """The paper's two tables and its figure, beside the paper's own figures."""
 
 from collections.abc import Sequence
+from functools import partial
 
 from explicable.evaluation.answers.rows import Row, group, judged, labelled
 from explicable.evaluation.page import Picture, Table, format_estimate
@@ -80,7 +81,9 @@ def paper_pictures(rows: Sequence[Row]) -> list[Picture]:
         complete, key=lambda name: complete[name]["explicable"]["f_paper"] - complete[name]["ff"]["f_paper"]
     )
     return [
-        Picture(f"figure-3-{name}", f"The paper's Figure 3 ({place}, first study): {title}", _draw(row))
+        Picture(
+            f"figure-3-{name}", f"The paper's Figure 3 ({place}, first study): {title}", partial(_draw, row)
+        )
         for name, title in (
             ("ff", "FF's plan"),
             ("explicable", "explicable"),

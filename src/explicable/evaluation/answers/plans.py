@@ -254,35 +254,39 @@ def _percent(found: Estimate) -> Estimate:
 
 
 def _pictures(cells: _Cells) -> list[Picture]:
+    pictures = [
+        Picture(
+            "judged", "Share of robot steps that participants call explicable", lambda: _draw_judged(cells)
+        )
+    ]
+    measured = [
+        cell
+        for cell, plans in cells.items()
+        if {"ff", "explicable"} <= plans.keys() and len({row["map"] for row in plans["ff"]}) >= MIN_PROBLEMS
+    ]
+    if measured:
+        title = "How many problems a study needs to find explicable − FF (judged F)"
+        pictures.append(Picture("power", title, lambda: _draw_power({c: cells[c] for c in measured})))
+    return pictures
+
+
+def _draw_judged(cells: _Cells) -> str:
     groups = {
         cell: {TITLES[name]: estimate(judged(rows, all_steps=False)) for name, rows in plans.items()}
         for cell, plans in cells.items()
     }
     height = 1.2 + 0.8 * len(groups)
-    pictures = [
-        Picture(
-            "judged",
-            "Share of robot steps that participants call explicable",
-            to_svg(
-                lambda axes: plot_intervals(groups, axes, label="F_robot, judged"), width=8, height=height
-            ),
-        )
-    ]
-    return pictures + _power(cells)
+    return to_svg(lambda axes: plot_intervals(groups, axes, label="F_robot, judged"), width=8, height=height)
 
 
-def _power(cells: _Cells) -> list[Picture]:
+def _draw_power(cells: _Cells) -> str:
     curves = {}
     for cell, plans in cells.items():
-        if {"ff", "explicable"} <= plans.keys() and len({row["map"] for row in plans["ff"]}) >= MIN_PROBLEMS:
-            curve = power_curve(judged(plans["explicable"]), judged(plans["ff"]), POWER_SIZES)
-            curves[cell] = [(float(size), Estimate(share, share, share, 200, size)) for size, share in curve]
-    if not curves:
-        return []
-    svg = to_svg(
+        curve = power_curve(judged(plans["explicable"]), judged(plans["ff"]), POWER_SIZES)
+        curves[cell] = [(float(size), Estimate(share, share, share, 200, size)) for size, share in curve]
+    return to_svg(
         lambda axes: plot_curves(
             curves, axes, x_label="problems in a study", y_label="share of studies that find it", log_x=True
         ),
         width=8,
     )
-    return [Picture("power", "How many problems a study needs to find explicable − FF (judged F)", svg)]
