@@ -104,6 +104,8 @@ def _describe(settings: Mapping[str, Any], varying: Sequence[str]) -> str:
 
 def _words(name: str, value: Any) -> str:
     """Name one setting's value; what is negative or empty is as in other cells, and not named."""
+    if name == "way":
+        return f"{value} play"
     if isinstance(value, str):
         return f"judged by {value}" if name == "judges" and value else Path(value).name
     return "" if value < 0 else f"{name.removeprefix('num_').replace('_', ' ')} {value:g}"

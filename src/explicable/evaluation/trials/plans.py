@@ -19,7 +19,7 @@ from explicable.evaluation.trials.training import (
     train,
     training_traces,
 )
-from explicable.execution import Participant, Setting, judge, prepare, simulate
+from explicable.execution import Participant, Setting, StudyWay, judge, prepare, simulate
 from explicable.labelling import Labeller
 from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
@@ -46,6 +46,9 @@ class Settings:
         Family of those who judge the plans; empty: the same.
     num_traces
         To learn from.
+    way
+        In which these games are played: ``commanded``, or ``mixed`` with games in which the robot goes ahead
+        unasked, as it does in many plans.
     num_own_plans
         Plans of planners, for the training maps, that participants have labelled too.
     noise
@@ -68,6 +71,7 @@ class Settings:
     family: str = "myopic"
     judges: str = ""
     num_traces: int = 34
+    way: StudyWay = "commanded"
     num_own_plans: int = 0
     noise: float = -1.0
     symbols: Literal["lifted", "ground"] = "lifted"
@@ -110,13 +114,23 @@ PLANNERS: dict[str, Planner] = {
     "explicable": lambda team, known: plan_explicably(
         team, known.labeller, alpha=known.alpha, improve_s=PROOF_S
     ),
+    "charged": lambda team, known: plan_explicably(
+        team,
+        known.labeller,
+        alpha=known.alpha,
+        improve_s=PROOF_S,
+        human_model=known.human,
+        human_step_weight=1.0,
+    ),
 }
 """Each planner by the name that it has in records."""
 
 
 def measure(settings: Settings, seed: Seed) -> list[Row]:
     """Train, plan for each map with each planner, and have the plans judged: one row a plan."""
-    traces = training_traces(seed, settings.family, settings.semantics, settings.num_traces, settings.noise)
+    traces = training_traces(
+        seed, settings.family, settings.semantics, settings.num_traces, settings.noise, settings.way
+    )
     labeller = train(traces, settings.symbols, settings.num_copies)
     if settings.num_own_plans:
         own = label_plans(seed, settings.family, settings.semantics, labeller, settings.num_own_plans)

@@ -7,7 +7,15 @@ from typing import Literal
 import numpy as np
 
 from explicable.errors import UsageError
-from explicable.execution import Family, Participant, builtin_families, judge, prepare, simulate_study
+from explicable.execution import (
+    Family,
+    Participant,
+    StudyWay,
+    builtin_families,
+    judge,
+    prepare,
+    simulate_study,
+)
 from explicable.first_response import World, builtin_maps, encode, generate
 from explicable.first_response.encoding import Semantics
 from explicable.labelling import Labeller, Trace
@@ -23,7 +31,12 @@ PROOF_S = 60.0
 
 
 def training_traces(
-    seed: tuple[int, int], family: str, semantics: Semantics, num_traces: int, noise: float = -1.0
+    seed: tuple[int, int],
+    family: str,
+    semantics: Semantics,
+    num_traces: int,
+    noise: float = -1.0,
+    way: StudyWay = "commanded",
 ) -> list[Trace]:
     """Let simulated participants of a family play and label the training maps.
 
@@ -31,6 +44,8 @@ def training_traces(
     ----------
     noise
         Probability that a label is the wrong way round, for all participants; negative: their own.
+    way
+        How they play, see `explicable.execution.simulate_study`.
     """
     problems = [encode(world, semantics) for world in builtin_maps("training").values()]
     who = find_family(family)
@@ -38,7 +53,7 @@ def training_traces(
         ranges = {name: ends for name, ends in who.ranges.items() if name != "noise"}
         who = replace(who, fixed={**who.fixed, "noise": noise}, ranges=ranges)
     chance = int(np.random.default_rng((*seed, TRAINING)).integers(2**31))
-    episodes = simulate_study(problems, who, num_traces=num_traces, seed=chance)
+    episodes = simulate_study(problems, who, num_traces=num_traces, seed=chance, way=way)
     return [episode.trace for episode in episodes]
 
 
