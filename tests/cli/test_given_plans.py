@@ -13,7 +13,7 @@ from explicable.cli import run
 from explicable.first_response.encoding import encode
 from explicable.first_response.world import parse_map
 from explicable.labelling import LabelledStep, Trace, problem_texts, write_traces
-from explicable.model.plan import format_plan, parse_plan
+from explicable.model.plan import format_action, format_plan, parse_plan
 from planning.floors import DETOUR, command, judge_of_progress, moves, visit
 
 SHORT = [command(1, 3), *moves((1, 1), (1, 2), (1, 3)), visit(1, 3)]
@@ -104,6 +104,24 @@ def test_traces_in_which_nobody_acts_are_named(place, tmp_path):
     done = explicable(place, "measure", *TEAM, "long.plan", "--people", str(tmp_path / "silent.jsonl"))
     assert done.returncode == 3
     assert done.stderr.startswith(f"explicable: {tmp_path / 'silent.jsonl'}: no trace has a human step")
+
+
+def test_what_a_plan_tells_is_left_out_with_a_warning(place):
+    told = ["(tell r1 clear c-1-2 does not hold)", *(format_action(action) for action in LONG)]
+    (place / "told.plan").write_text("\n".join(told))
+    (place / "wrong.plan").write_text("\n".join([*told[:2], format_action(visit(1, 3))]))
+    for about in (["measure"], *([name, "labeller.json"] for name in ("label", "rank", "explain"))):
+        plain, done = (
+            explicable(place, *about, *TEAM, plan, *HUMAN, "--json") for plan in ("long.plan", "told.plan")
+        )
+        assert done.returncode == 0, done.stderr
+        assert done.stdout == plain.stdout.replace("long.plan", "told.plan")
+        assert done.stderr.startswith("explicable: warning: told.plan: tellings left out: 1;")
+    done = explicable(place, "label", "labeller.json", *TEAM, "wrong.plan", *HUMAN)
+    assert done.returncode == 3
+    assert "wrong.plan:3: step 2" in done.stderr
+    done = explicable(place, "rank", "labeller.json", *TEAM, "wrong.plan", *HUMAN)
+    assert "wrong.plan:3: no plan: step 2" in done.stdout
 
 
 def test_explain_says_what_the_person_does_not_know(place):

@@ -12,6 +12,7 @@ from explicable.cli.files import (
     TeamProblemPaths,
     load_labeller,
     naming_plan,
+    read_steps,
     team_problem_arguments,
 )
 from explicable.cli.outcomes import exit_code
@@ -55,16 +56,15 @@ def explain(
     as_json: bool,
 ) -> None:
     """Say of each step of PLAN whether it is expected; if not, why, and the least that would make it so."""
-    from explicable.model.plan import read_plan
     from explicable.planning import explain as explain_plan
 
     team_task = paths.ground()
     labeller = load_labeller(labeller_file, team_task.problem)
-    with naming_plan(plan_file), working("explaining"):
+    with naming_plan(plan_file, team_task.problem), working("explaining"):
         steps = explain_plan(
             team_task,
             labeller,
-            read_plan(plan_file),
+            read_steps(plan_file, team_task.problem),
             threshold=threshold,
             max_told=max_told,
             time_limit_s=time_limit,

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from explicable.errors import InputError, LabellerError, PlanError, TraceError
-from explicable.model.plan import find_step
+from explicable.model.plan import find_step, read_plan
+from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
 
 if TYPE_CHECKING:
@@ -131,15 +132,36 @@ def load_labeller(path: Path, problem: TeamProblem) -> "Labeller":
     return labeller
 
 
+def read_steps(path: Path, problem: TeamProblem) -> tuple[GroundAtom, ...]:
+    """Read a plan for a problem; leave out what it tells the person (`explicable tell`), with a warning."""
+    actions, telling = read_plan(path), _telling(problem)
+    steps = tuple(action for action in actions if action[0] != telling)
+    if left_out := len(actions) - len(steps):
+        _warn(f"{path}: tellings left out: {left_out}; the person is taken to be told nothing")
+    return steps
+
+
+def find_line(path: Path, step: int, problem: TeamProblem) -> int | None:
+    """Give the line in which a step of `read_steps` stands; steps and lines from 1."""
+    return find_step(path, step, without=_telling(problem))
+
+
+def _telling(problem: TeamProblem) -> str | None:
+    """Return how a plan's steps begin that tell the person something; None where a domain means its own."""
+    models = (problem.robot, problem.mental)
+    is_own = any(schema.name == "tell" for model in models for schema in model.domain.actions)
+    return None if is_own else "tell"
+
+
 @contextmanager
-def naming_plan(path: Path) -> Iterator[None]:
+def naming_plan(path: Path, problem: TeamProblem) -> Iterator[None]:
     """Let errors about a step of a plan name the plan's file, and the line."""
     try:
         yield
     except PlanError as error:
         if error.path is None:
             error.path = path
-            error.line = None if error.step is None else find_step(path, error.step)
+            error.line = None if error.step is None else find_line(path, error.step, problem)
         raise
 
 

@@ -11,6 +11,7 @@ from explicable.cli.files import (
     TeamProblemPaths,
     load_labeller,
     naming_plan,
+    read_steps,
     team_problem_arguments,
 )
 from explicable.model.plan import format_action
@@ -29,12 +30,10 @@ def label(
     paths: TeamProblemPaths, labeller_file: Path, plan_file: Path, explain: bool, as_json: bool
 ) -> None:
     """Say how explicable each step of PLAN is, and the plan's scores in all variants."""
-    from explicable.model.plan import read_plan
-
     team_task = paths.ground()
     labeller = load_labeller(labeller_file, team_task.problem)
-    with naming_plan(plan_file):
-        labelled = labeller.label(team_task, read_plan(plan_file))
+    with naming_plan(plan_file, team_task.problem):
+        labelled = labeller.label(team_task, read_steps(plan_file, team_task.problem))
     reasons = labeller.explain(labelled) if explain else None
     if as_json:
         click.echo(json.dumps(describe(labelled, reasons)))

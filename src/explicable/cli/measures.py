@@ -12,15 +12,18 @@ from explicable.cli import EXIT_BAD_INPUT
 from explicable.cli.files import (
     INPUT_FILE,
     TeamProblemPaths,
+    find_line,
     load_labeller,
     naming_plan,
+    read_steps,
     team_problem_arguments,
 )
 from explicable.cli.progress import working
 from explicable.errors import TraceError, UsageError
-from explicable.model.plan import find_step, format_action, parse_plan
+from explicable.model.plan import format_action, parse_plan
 
 if TYPE_CHECKING:
+    from explicable.model.team import TeamProblem
     from explicable.planning import HumanModel, Measures, RankedPlan
 
 plan_argument = click.argument("plan_file", metavar="PLAN", type=INPUT_FILE)
@@ -84,19 +87,18 @@ def measure(
     as_json: bool,
 ) -> None:
     """Measure PLAN: how explicable, how far from what is expected, how dear, how surprising it is."""
-    from explicable.model.plan import read_plan
     from explicable.planning import measure as measure_plan
 
     team_task = paths.ground()
     labeller = None if labeller_file is None else load_labeller(labeller_file, team_task.problem)
-    expected_plans = [read_plan(path) for path in expected_files]
+    expected_plans = [read_steps(path, team_task.problem) for path in expected_files]
     for path, plan in zip(expected_files, expected_plans, strict=True):
-        with naming_plan(path):
+        with naming_plan(path, team_task.problem):
             team_task.mental.execute(plan)
-    with naming_plan(plan_file), working("measuring"):
+    with naming_plan(plan_file, team_task.problem), working("measuring"):
         measures = measure_plan(
             team_task,
-            read_plan(plan_file),
+            read_steps(plan_file, team_task.problem),
             labeller,
             expected_plans,
             human_model=_read_human_model(people_file),
@@ -173,18 +175,21 @@ def rank(
 
     What is no plan of the task comes last, with the reason. Exit code 3 if none is.
     """
-    from explicable.model.plan import read_plan
     from explicable.planning import check_alpha
     from explicable.planning import rank as rank_plans
 
     check_alpha(alpha)
     team_task = paths.ground()
     labeller = load_labeller(labeller_file, team_task.problem)
-    plans = [read_plan(path) for path in plan_files]
+    plans = [read_steps(path, team_task.problem) for path in plan_files]
     human_model = _read_human_model(people_file)
     ranked = rank_plans(team_task, labeller, plans, alpha, human_model=human_model)
     records = [
-        {"file": str(plan_files[plan.number]), "line": _line_of(plan, plan_files), **describe_ranked(plan)}
+        {
+            "file": str(plan_files[plan.number]),
+            "line": _line_of(plan, plan_files, team_task.problem),
+            **describe_ranked(plan),
+        }
         for plan in ranked
     ]
     if as_json:
@@ -207,8 +212,9 @@ def describe_ranked(plan: "RankedPlan") -> dict[str, Any]:
     }
 
 
-def _line_of(plan: "RankedPlan", files: Sequence[Path]) -> int | None:
-    return None if plan.failing_step is None else find_step(files[plan.number], plan.failing_step)
+def _line_of(plan: "RankedPlan", files: Sequence[Path], problem: "TeamProblem") -> int | None:
+    step = plan.failing_step
+    return None if step is None else find_line(files[plan.number], step, problem)
 
 
 def _ranked_line(place: int, record: dict[str, Any]) -> str:

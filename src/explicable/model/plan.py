@@ -94,9 +94,13 @@ def parse_plan(text: str, path: str | Path | None = None) -> tuple[GroundAtom, .
     return tuple(parse_action(line, path, number) for number, line in _step_lines(text))
 
 
-def find_step(path: str | Path, step: int) -> int | None:
-    """Give the line of a plan file, from 1, in which a step stands, from 1; None if there is no such step."""
-    lines = [number for number, _ in _step_lines(Path(path).read_text(encoding="utf-8-sig"))]
+def find_step(path: str | Path, step: int, *, without: str | None = None) -> int | None:
+    """Give the line of a plan file, from 1, in which a step stands, from 1; None if there is no such step.
+
+    Steps of the action schema ``without`` are not counted.
+    """
+    text = Path(path).read_text(encoding="utf-8-sig")
+    lines = [number for number, line in _step_lines(text) if parse_action(line)[0] != without]
     return lines[step - 1] if 1 <= step <= len(lines) else None
 
 
