@@ -104,3 +104,9 @@ def test_sizes_that_mean_nothing(tasks, size):
     done = plan(tasks, "deep", f"--memory-limit={size}")
     assert done.returncode == USAGE
     assert "such as 1GiB" in done.stderr
+
+
+def test_more_memory_than_can_be_addressed_is_no_limit(tasks):
+    done = plan(tasks, "deep", "--memory-limit", "99999999999GiB", "--max-evaluations", "10", "--json")
+    assert done.returncode == LIMIT, done.stderr
+    assert json.loads(done.stdout)["limit"] == "evaluations"

@@ -56,11 +56,15 @@ def test_the_steps_of_a_given_plan_overlap(team, capsys):
         (["--alpha", "-1"], 2, "alpha"),
         (["--time-limit", "0"], 2, "time-limit"),
         (["missing.plan"], 2, "missing.plan"),
+        (["--durations", "huge.toml"], 3, "huge.toml: the duration of move"),
+        (["--durations", "stranger.toml"], 3, "stranger.toml: there is no action fly"),
     ],
 )
 def test_wrong_use_and_bad_files_are_named(team, tmp_path, capsys, arguments, code, says):
     (tmp_path / "bad.plan").write_text("(visit-room r1 c-0-3)\n")
     (tmp_path / "bad.toml").write_text("default = 0\n")
+    (tmp_path / "huge.toml").write_text(f"[schemas]\nmove = 1{400 * '0'}\n")
+    (tmp_path / "stranger.toml").write_text("[schemas]\nfly = 1\n")
     assert run([*team, *arguments]) == code
     assert says in capsys.readouterr().err
 
@@ -83,3 +87,12 @@ def test_the_example_of_two_robots_and_two_people(tmp_path, monkeypatch, capsys)
     record = json.loads(capsys.readouterr().out)
     assert {"r1", "r2", "person"} <= {step["agent"] for step in record["schedule"]}
     assert record["makespan"] < 0.6 * sum(step["duration"] for step in record["schedule"])
+
+
+def test_a_plan_short_of_the_goal_is_scheduled_with_a_warning(team, tmp_path, capsys):
+    assert run(["plan", "domain.pddl", "problem.pddl", "-o", "one.plan"]) == 0
+    first = (tmp_path / "one.plan").read_text().splitlines()[0]
+    (tmp_path / "short.plan").write_text(first + "\n")
+    capsys.readouterr()
+    assert run([*team, "short.plan"]) == 0
+    assert "warning: short.plan: the plan does not reach the goal" in capsys.readouterr().err

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 OUTPUT_FILE = click.Path(dir_okay=False, path_type=Path)
+_ADDRESSABLE = 1 << 62  # bytes: more is no limit at all
 
 
 class MemorySize(click.ParamType[int]):
@@ -32,8 +33,10 @@ class MemorySize(click.ParamType[int]):
         found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kmgt]?)(i?)b?\s*", str(value).lower())
         if not found or (found[3] and not found[2]):
             self.fail(f"{value!r} is no amount of memory such as 1GiB, 512MiB or 2GB", param, ctx)
+        if len(found[1]) > 300:
+            self.fail("so much memory there is not", param, ctx)
         unit = 1024 if found[3] or not str(value).lower().rstrip().endswith("b") else 1000
-        return int(float(found[1]) * unit ** " kmgt".index(found[2] or " "))
+        return min(int(float(found[1]) * unit ** " kmgt".index(found[2] or " ")), _ADDRESSABLE)
 
 
 MEMORY_SIZE = MemorySize()
@@ -94,7 +97,7 @@ class TeamProblemPaths:
         """Read the robot's problem, and the human's if it was named; warnings go to standard error."""
         from explicable.pddl import read_team_problem
 
-        problem = read_team_problem(*self.paths, warn=_warn)
+        problem = read_team_problem(*self.paths, warn=warn)
         return TeamProblem(problem.composite) if self.ignore_human else problem
 
     def ground(self) -> "TeamTask":
@@ -107,7 +110,7 @@ class TeamProblemPaths:
 def warn_of_hopeless(team_task: "TeamTask") -> "TeamTask":
     """Return the team task; warn if in the human model the goal can't be reached."""
     if team_task.problem.human is not None and not team_task.mental.goal_reachable:
-        _warn(
+        warn(
             "in the human model the goal can't be reached, so the person expects no plan;"
             " --ignore-human goes on without that model"
         )
@@ -128,7 +131,7 @@ def load_labeller(path: Path, problem: TeamProblem) -> "Labeller":
     with naming(path, LabellerError):
         labeller.check_domain(problem)
     if unknown := labeller.unknown_schemas(problem):
-        _warn(f"{path}: the labeller has never seen {', '.join(unknown)}: what it says of these is a guess")
+        warn(f"{path}: the labeller has never seen {', '.join(unknown)}: what it says of these is a guess")
     return labeller
 
 
@@ -137,7 +140,7 @@ def read_steps(path: Path, problem: TeamProblem) -> tuple[GroundAtom, ...]:
     actions, telling = read_plan(path), _telling(problem)
     steps = tuple(action for action in actions if action[0] != telling)
     if left_out := len(actions) - len(steps):
-        _warn(f"{path}: tellings left out: {left_out}; the person is taken to be told nothing")
+        warn(f"{path}: tellings left out: {left_out}; the person is taken to be told nothing")
     return steps
 
 
@@ -185,5 +188,6 @@ def read_labelled_traces(*files: Path) -> "list[Trace]":
     return traces
 
 
-def _warn(warning: object) -> None:
+def warn(warning: object) -> None:
+    """Say on standard error what may be wrong, and go on."""
     click.echo(f"explicable: warning: {warning}", err=True)

@@ -7,13 +7,21 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, naming, team_problem_arguments
+from explicable.cli.files import (
+    INPUT_FILE,
+    OUTPUT_FILE,
+    TeamProblemPaths,
+    naming,
+    team_problem_arguments,
+    warn,
+)
 from explicable.cli.outcomes import failure_code
-from explicable.errors import PlanError
+from explicable.errors import InputError, PlanError
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan
+    from explicable.model.durations import Durations
     from explicable.model.schedule import Schedule
     from explicable.model.team import TeamProblem, TeamTask
     from explicable.planning import ScheduledPlan
@@ -76,6 +84,8 @@ def schedule(
         labeller = Labeller.load(labeller_file)
     durations = read_durations(durations_file) if durations_file else Durations()
     team_task = ground_team(paths.read())
+    if durations_file is not None:
+        _check_names(durations, team_task.problem, durations_file)
     if plan_file is None:
         result = plan_schedule(
             team_task, durations, labeller=labeller, alpha=alpha, time_limit_s=time_limit, seed=seed
@@ -83,6 +93,8 @@ def schedule(
     else:
         with naming(plan_file, PlanError):
             result = schedule_plan(team_task, read_plan(plan_file), durations, labeller=labeller, alpha=alpha)
+        if result.schedule is not None and not _reaches_goal(result.schedule, team_task):
+            warn(f"{plan_file}: the plan does not reach the goal")
     if result.schedule is not None and output:
         write_whole(output, format_schedule(result.schedule))
     if result.schedule is not None and svg_file:
@@ -114,16 +126,28 @@ def describe(result: "ScheduledPlan", team_task: "TeamTask") -> dict[str, Any]:
         }
         for scheduled, probability in zip(schedule.steps, probabilities, strict=True)
     ]
-    end = team_task.task.execute(schedule.actions).states[-1]
     return record | {
         "makespan": schedule.makespan,
         "critical_path": schedule.critical_path,
         "lower_bound": result.lower_bound if math.isfinite(result.lower_bound) else None,
-        "reaches_goal": team_task.task.is_goal(end),
+        "reaches_goal": _reaches_goal(schedule, team_task),
         "objective": result.objective,
         "scores": labelled.scores.as_dict() if labelled else None,
         "search_s": result.search_s,
     }
+
+
+def _reaches_goal(schedule: "Schedule", team_task: "TeamTask") -> bool:
+    return team_task.task.is_goal(team_task.task.execute(schedule.actions).states[-1])
+
+
+def _check_names(durations: "Durations", problem: "TeamProblem", path: Path) -> None:
+    """Refuse durations of what no agent can do: they would change nothing, and nobody would notice."""
+    schemas = {action.name for action in problem.composite.domain.actions}
+    for name in (*durations.schemas, *(action[0] for action in durations.actions)):
+        if name not in schemas:
+            known = ", ".join(sorted(schemas))
+            raise InputError(f"there is no action {name}, only {known}", path=path)
 
 
 def _draw(schedule: "Schedule", labelled: "LabelledPlan | None", problem: "TeamProblem") -> str:

@@ -1,6 +1,5 @@
 """How long steps take, from a file."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,6 +8,8 @@ from typing import Any
 from explicable.errors import InputError, PlanError, UsageError
 from explicable.model.plan import parse_action
 from explicable.model.problem import GroundAtom
+
+LONGEST = 1e12  # sums of longer ones would lose the shorter ones, or overflow
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +28,7 @@ class Durations:
     Raises
     ------
     UsageError
-        If one is not above 0, or not finite.
+        If one is not above 0, or above `LONGEST`.
 
     Examples
     --------
@@ -46,8 +47,7 @@ class Durations:
 
     def __post_init__(self) -> None:
         for duration in (self.default, *self.schemas.values(), *self.actions.values()):
-            if not (math.isfinite(duration) and duration > 0):
-                raise UsageError(f"a duration must be finite and above 0, not {duration}")
+            _check("a step", duration)
 
     def of(self, action: GroundAtom) -> float:
         """Return how long an action takes."""
@@ -79,7 +79,7 @@ def read_durations(path: str | Path) -> Durations:
         data = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig").replace("\r\n", "\n"))
     except UnicodeDecodeError as error:
         raise InputError(f"not a text file in UTF-8 ({error.reason})", path=path) from error
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # a ValueError also for a number of thousands of digits
         raise InputError(f"no TOML: {error}", path=path) from error
     unknown = data.keys() - {"default", "schemas", "actions"}
     if unknown:
@@ -104,4 +104,13 @@ def _numbers(table: str, data: dict[str, Any]) -> dict[str, float]:
 def _number(name: str, value: object) -> float:
     if not isinstance(value, int | float) or isinstance(value, bool):
         raise UsageError(f"the duration of {name} must be a number, not {value!r}")
-    return float(value)
+    return float(_check(name, value))
+
+
+def _check(name: str, duration: float) -> float:
+    if not 0 < duration <= LONGEST:
+        shown = duration if isinstance(duration, float) or duration <= 0 else "more"
+        raise UsageError(
+            f"the duration of {name} must be finite, above 0 and at most {LONGEST:g}, not {shown}"
+        )
+    return duration
