@@ -102,3 +102,23 @@ def test_a_simulated_participant_can_play_in_ones_place(map_file, tmp_path):
     assert read_episode(game).trace.origin == "simulated"
     assert explicable("replay", game).returncode == 0
     assert explicable("play", map_file, "--simulated", "saints").returncode == 2
+
+
+def test_an_impossible_alpha_is_refused_before_the_game(map_file):
+    played = explicable("play", map_file, "--alpha", "nan")
+    assert (played.returncode, played.stdout) == (2, "")
+    assert "alpha must be" in played.stderr
+
+
+def test_a_record_that_breaks_off_or_is_all_wrong_is_told_of_briefly(map_file, tmp_path):
+    game, short, wrong = tmp_path / "game.jsonl", tmp_path / "short.jsonl", tmp_path / "wrong.jsonl"
+    assert explicable("play", map_file, "-o", game, "--simulated", "myopic").returncode == 0
+    lines = game.read_text().splitlines(keepends=True)
+    short.write_text("".join(lines[:-1]))
+    replayed = explicable("replay", short)
+    assert replayed.returncode == 3
+    assert "breaks off" in replayed.stderr
+    wrong.write_text("".join([*lines, *20 * lines[1:2]]))
+    replayed = explicable("replay", wrong)
+    assert replayed.returncode == 3
+    assert len(replayed.stderr.splitlines()) == 11

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from explicable.cli import EXIT_BAD_INPUT
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, naming
 from explicable.cli.first_response import map_argument, semantics_option
+from explicable.errors import PlanError
 from explicable.model.files import write_whole
 from explicable.model.plan import format_action
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
     from explicable.execution import EpisodeRecord, Planner, Setting, SimulatedPerson
     from explicable.first_response import Semantics
+
+MAX_TOLD = 10  # one wrong event makes most that follow it wrong
 
 
 @click.command()
@@ -73,7 +76,9 @@ def play(
     from explicable import first_response as maps
     from explicable.cli.keyboard import Keyboard, KeyboardPerson
     from explicable.execution import ClosedLoop, Person, observable_facts, prepare, record, write_episode
+    from explicable.planning import check_alpha
 
+    check_alpha(alpha)
     world = maps.read_map(map_file)
     problem = maps.encode(world, semantics)
     observable = observable_facts(problem)
@@ -153,7 +158,9 @@ def replay(episode: Path, svg: Path | None, step_time: float, trace: Path | None
     recorded = read_episode(episode)
     replayed = play_again(recorded)
     if svg is not None:
-        write_whole(svg, _draw(recorded, step_time))
+        with naming(episode, PlanError):
+            drawing = _draw(recorded, step_time)
+        write_whole(svg, drawing)
     if trace is not None:
         write_traces(trace, [recorded.trace])
     if as_json:
@@ -170,8 +177,11 @@ def replay(episode: Path, svg: Path | None, step_time: float, trace: Path | None
         click.echo(json.dumps(summary))
     else:
         _tell(recorded)
-    for difference in replayed.differences if not as_json else ():
-        click.echo(f"explicable: {episode}: {difference}", err=True)
+    if not as_json:
+        for difference in replayed.differences[:MAX_TOLD]:
+            click.echo(f"explicable: {episode}: {difference}", err=True)
+        if (others := len(replayed.differences) - MAX_TOLD) > 0:
+            click.echo(f"explicable: {episode}: and {others} more differences (--json tells all)", err=True)
     return EXIT_BAD_INPUT if replayed.differences else 0
 
 

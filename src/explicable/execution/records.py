@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from explicable.execution.course import Course
-from explicable.execution.monitor import State
+from explicable.execution.monitor import FINAL, State
 from explicable.execution.notices import Notice, Occurrence
 from explicable.execution.runs import Run
 from explicable.execution.setting import prepare
@@ -153,6 +153,8 @@ def replay(recorded: EpisodeRecord) -> Replay:
             differences.append(f"{name}: refused for {now.refusal!r}, on record for {then.refusal!r}")
         if now.digest != then.digest:
             differences.append(f"{name}: the facts afterwards are not those on record")
+    if "ending" in recorded.trace.notes and course.monitor not in FINAL:
+        differences.append("the record breaks off before the game ended")
     if tuple(course.steps) != recorded.trace.steps:
         differences.append("the steps are not those of the trace")
     if (course.num_deviations, course.num_changes) != (recorded.num_deviations, recorded.num_changes):
