@@ -123,6 +123,7 @@ def test_plan_goes_to_standard_output(place):
     [
         (["plan", "lamp-domain.pddl", "broken-lamp.pddl"], UNSOLVABLE, "unsolvable"),
         (["plan", *TASK, "--time-limit", "0"], LIMIT, "limit"),
+        (["plan", *TASK, "--time-limit", "nan"], USAGE, "--time-limit"),
         (["plan", *TASK, "--planner", "explicable"], USAGE, "--labeller"),
         (["plan", *TASK, "--mode", "paper"], USAGE, "--mode paper"),
         (["plan", *TASK, "--labeller", "labeller.json", "--alpha", "-1"], USAGE, "alpha"),

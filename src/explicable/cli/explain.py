@@ -9,6 +9,7 @@ import click
 from explicable.cli.files import (
     INPUT_FILE,
     OUTPUT_FILE,
+    FiniteRange,
     TeamProblemPaths,
     load_labeller,
     naming_plan,
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 @click.argument("plan_file", metavar="PLAN", type=INPUT_FILE)
 @click.option(
     "--threshold",
-    type=click.FloatRange(0, 1),
+    type=FiniteRange(0, 1),
     default=0.5,
     show_default=True,
     help="A step at least so probable is expected.",
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
     help="Most differences between the two models that are told together.",
 )
 @click.option(
-    "--time-limit", type=click.FloatRange(min=0), default=10.0, show_default=True, help="Seconds for it all."
+    "--time-limit", type=FiniteRange(min=0), default=10.0, show_default=True, help="Seconds for it all."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def explain(
@@ -105,7 +106,7 @@ def describe_step(step: "StepExplanation") -> dict[str, Any]:
     help="Most differences that are tried together.",
 )
 @click.option(
-    "--time-limit", type=click.FloatRange(min=0), default=10.0, show_default=True, help="Seconds for it all."
+    "--time-limit", type=FiniteRange(min=0), default=10.0, show_default=True, help="Seconds for it all."
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Breaks ties.")
 @click.option("-o", "--output", type=OUTPUT_FILE, help="Write the plan to this file.")

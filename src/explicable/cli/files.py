@@ -1,6 +1,7 @@
 """What the commands share: reading a team problem from files named on the command line."""
 
 import functools
+import math
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,6 +22,17 @@ if TYPE_CHECKING:
 INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 OUTPUT_FILE = click.Path(dir_okay=False, path_type=Path)
 _ADDRESSABLE = 1 << 62  # bytes: more is no limit at all
+
+
+class FiniteRange(click.FloatRange):
+    """A finite number between bounds; click's own ranges let NaN and infinity through."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number."""
+        number: float = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is not a finite number", param, ctx)
+        return number
 
 
 class MemorySize(click.ParamType[int]):

@@ -10,7 +10,13 @@ import click
 
 from explicable.cli import EXIT_LIMIT, EXIT_UNSOLVABLE
 from explicable.cli.budgets import Budget, budget_options
-from explicable.cli.files import INPUT_FILE, TeamProblemPaths, load_labeller, team_problem_arguments
+from explicable.cli.files import (
+    INPUT_FILE,
+    FiniteRange,
+    TeamProblemPaths,
+    load_labeller,
+    team_problem_arguments,
+)
 from explicable.cli.progress import working
 from explicable.model.plan import format_action, format_plan
 
@@ -26,12 +32,12 @@ if TYPE_CHECKING:
 @click.option("--max-alpha", type=float, default=10.0, show_default=True, help="Largest price to look at.")
 @click.option(
     "--search-time",
-    type=click.FloatRange(min=0, min_open=True),
+    type=FiniteRange(min=0, min_open=True),
     default=1.0,
     show_default=True,
     help="Seconds for the search at one alpha.",
 )
-@click.option("--time-limit", type=click.FloatRange(min=0), help="Seconds for all searches.")
+@click.option("--time-limit", type=FiniteRange(min=0), help="Seconds for all searches.")
 @budget_options
 @click.option(
     "-o",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from explicable.cli import EXIT_BAD_INPUT
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, naming
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange, naming
 from explicable.cli.first_response import map_argument, semantics_option
 from explicable.errors import PlanError
 from explicable.model.files import write_whole
@@ -17,7 +17,7 @@ from explicable.model.plan import format_action
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from explicable.execution import EpisodeRecord, Planner, Setting, SimulatedPerson
+    from explicable.execution import EpisodeRecord, Planner, Run, Setting, SimulatedPerson
     from explicable.first_response import Semantics
 
 MAX_TOLD = 10  # one wrong event makes most that follow it wrong
@@ -48,7 +48,7 @@ MAX_TOLD = 10  # one wrong event makes most that follow it wrong
 @click.option("--name", default="me", show_default=True, help="Your name in the record.")
 @click.option(
     "--pause",
-    type=click.FloatRange(0, 60),
+    type=FiniteRange(0, 60),
     default=0.0,
     show_default=True,
     help="Seconds before a robot's step.",
@@ -92,15 +92,21 @@ def play(
         person = KeyboardPerson(name, setting, Keyboard(world), ask=ask, pause=lambda: time.sleep(pause))
         loop = ClosedLoop(setting, planner, person, watch=person.look)
         person.quit = loop.abort
-    try:
-        loop.run()
-    finally:
-        played = loop.result()
+    notes = {"strategy": "explicable" if labeller else strategy, "alpha": alpha}
+    text = maps.format_map(world)
+
+    def keep(played: "Run") -> None:
         if output is not None:
-            notes = {"strategy": "explicable" if labeller else strategy, "alpha": alpha}
-            text = maps.format_map(world)
-            recorded = record(played, setting.truth.task, observable=observable, map_text=text, notes=notes)
-            write_episode(output, recorded)
+            write_episode(
+                output, record(played, setting.truth.task, observable=observable, map_text=text, notes=notes)
+            )
+
+    try:
+        played = loop.run()
+    except KeyboardInterrupt:
+        keep(loop.result())
+        raise
+    keep(played)
     labels = [step.is_explicable for step in played.episode.trace.steps if step.label is not None]
     click.echo(
         f"{played.episode.ending.value}: {len(played.episode.trace.steps)} steps; {labels.count(False)} of"
@@ -139,7 +145,7 @@ def _planner(setting: "Setting", labeller: Path | None, alpha: float, strategy: 
 @click.option("--svg", type=OUTPUT_FILE, help="Draw the game to this file, if it was played on a map.")
 @click.option(
     "--step-time",
-    type=click.FloatRange(0, 60),
+    type=FiniteRange(0, 60),
     default=0.5,
     show_default=True,
     help="Seconds a step in the picture, which plays itself; 0: it stands still.",

@@ -11,6 +11,7 @@ import click
 from explicable.cli import EXIT_BAD_INPUT
 from explicable.cli.files import (
     INPUT_FILE,
+    FiniteRange,
     TeamProblemPaths,
     find_line,
     load_labeller,
@@ -68,7 +69,7 @@ people_option = click.option(
 )
 @click.option(
     "--time-limit",
-    type=click.FloatRange(min=0),
+    type=FiniteRange(min=0),
     default=60.0,
     show_default=True,
     help="Seconds for the exact searches; what is not found out by then is left out.",

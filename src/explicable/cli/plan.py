@@ -12,6 +12,7 @@ from explicable.cli.files import (
     INPUT_FILE,
     MEMORY_SIZE,
     OUTPUT_FILE,
+    FiniteRange,
     TeamProblemPaths,
     load_labeller,
     team_problem_arguments,
@@ -50,7 +51,7 @@ SCORES = ("f_paper", "f_robot", "f_expected")
 @human_step_options
 @click.option(
     "--telling-cost",
-    type=click.FloatRange(min=0),
+    type=FiniteRange(min=0),
     help="Let the plan tell the person what they don't know, at this price for each thing (see `tell`).",
 )
 @improvement_options
@@ -60,7 +61,7 @@ SCORES = ("f_paper", "f_robot", "f_expected")
     type=click.Choice(["default", "ff", "lazy", "eager", "bfws", "astar", "wastar", "anytime"]),
     help="Search algorithm (docs/planning.md). Default: the best known for the planner.",
 )
-@click.option("--time-limit", type=click.FloatRange(min=0), help="Seconds that the search may take.")
+@click.option("--time-limit", type=FiniteRange(min=0), help="Seconds that the search may take.")
 @click.option(
     "--memory-limit",
     type=MEMORY_SIZE,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from explicable.cli.files import INPUT_FILE
+from explicable.cli.files import INPUT_FILE, FiniteRange
 
 if TYPE_CHECKING:
     from explicable.planning import HumanModel
@@ -40,7 +40,7 @@ def human_step_options(command: Callable[..., Any]) -> Callable[..., Any]:
         "--charge-human-steps",
         "weight",
         metavar="W",
-        type=click.FloatRange(min=0),
+        type=FiniteRange(min=0),
         default=0.0,
         show_default=True,
         help="Price, in the unit of cost, of each nat of surprise at what the plan makes the person do."
@@ -66,14 +66,14 @@ def improvement_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Give a command `--improve-time` and `--gap`."""
     command = click.option(
         "--gap",
-        type=click.FloatRange(min=0, max=1, max_open=True),
+        type=FiniteRange(min=0, max=1, max_open=True),
         default=0.0,
         show_default=True,
         help="Stop once no plan can be better by more than this share of J.",
     )(command)
     return click.option(
         "--improve-time",
-        type=click.FloatRange(min=0),
+        type=FiniteRange(min=0),
         default=1.0,
         show_default=True,
         help="Seconds for better plans than the first; Ctrl-C ends it with the best so far.",

@@ -10,6 +10,7 @@ import click
 from explicable.cli.files import (
     INPUT_FILE,
     OUTPUT_FILE,
+    FiniteRange,
     TeamProblemPaths,
     naming,
     team_problem_arguments,
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
 @click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
 @click.option(
     "--time-limit",
-    type=click.FloatRange(min=0, min_open=True),
+    type=FiniteRange(min=0, min_open=True),
     default=10.0,
     show_default=True,
     help="Seconds for planning.",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, read_labelled_traces
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange, read_labelled_traces
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -21,8 +21,8 @@ DEFAULT_BOOTSTRAP = 50
 @click.command()
 @click.argument("files", metavar="TRACES...", nargs=-1, required=True, type=INPUT_FILE)
 @click.option("-o", "--output", type=OUTPUT_FILE, required=True, help="Write the labeller to this file.")
-@click.option("--c1", type=click.FloatRange(min=0), default=0.0, show_default=True, help="L1 penalty.")
-@click.option("--c2", type=click.FloatRange(min=0), default=1.0, show_default=True, help="L2 penalty.")
+@click.option("--c1", type=FiniteRange(min=0), default=0.0, show_default=True, help="L1 penalty.")
+@click.option("--c2", type=FiniteRange(min=0), default=1.0, show_default=True, help="L2 penalty.")
 @click.option(
     "--augment",
     type=click.IntRange(min=0),
