@@ -13,6 +13,8 @@ from explicable.execution import (
 )
 from explicable.first_response import builtin_maps, encode
 from explicable.labelling import Labeller
+from explicable.model.grounding import ground_team
+from explicable.planning import HumanModel
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +54,20 @@ def test_foresight_decides_what_is_asked_next_if_it_is_dear_enough(labeller):
         assert next(step for step in planner(situation).actions if step[0] == "command") == request
 
 
+def test_what_people_did_in_traces_is_foreseen():
+    """Participants ask for what is nearest; a planner that learned this lets the person ask so."""
+    problems = [encode(world, "exclusive") for world in list(builtin_maps("training").values())[:8]]
+    traces = [game.trace for game in simulate_study(problems, builtin_families()["myopic"], num_traces=16)]
+    labeller, human = Labeller.train(traces, num_bootstrap=0), HumanModel.learn(traces)
+    for world in builtin_maps("test").values():
+        problem = encode(world, "exclusive")
+        situation = Situation(problem, (), (), prepare(problem).truth.task.initial_state)
+        planner = ExplicablePlanner(labeller, Prices(gamma=1000.0), human_model=human)
+        asked = next(step for step in planner(situation).actions if step[0] == "command")
+        chances = human.next_steps(ground_team(problem))
+        assert chances[asked] == max(chances.values())
+
+
 def test_what_was_announced_is_kept_if_change_is_dear_and_only_then(labeller):
     problem = encode(builtin_maps("test")["test-02"], "exclusive")
     start = prepare(problem).truth.task.initial_state
@@ -67,7 +83,6 @@ def test_the_objective_is_that_of_the_labelled_plan_given_the_past(labeller):
     """The planner's own bookkeeping against labelling past and plan together, from the start."""
     from explicable.evaluation.replanning import _LabelledGame
     from explicable.labelling.features import TeamFeatures
-    from explicable.model.grounding import ground_team
 
     problem = encode(builtin_maps("test")["test-03"], "exclusive")
     start = prepare(problem).truth.task.initial_state

@@ -57,6 +57,11 @@ def test_what_a_person_may_do_at_one_point_sums_to_one(name):
         state = team.task.execute(before).states[-1]
         options = [team.task.action(operator) for operator in team.task.applicable(state)]
         human_steps = [action for action in options if problem.agent_of(action).kind == "human"]
+        acts = {action: human.predict(team, [*before, action]).probabilities[-1] for action in human_steps}
+        if acts:  # what comes next, if anything: the same, given that the person acts
+            whole = sum(acts.values())
+            expected = {action: chance / whole for action, chance in acts.items()}
+            assert human.next_steps(team, before) == pytest.approx(expected)
         total = sum(human.predict(team, [*before, action]).probabilities[-1] for action in human_steps)
         assert 0 < total < 1  # the rest is waiting
     prediction = human.predict(team, before)

@@ -28,6 +28,12 @@ MAX_TOLD = 10  # one wrong event makes most that follow it wrong
 @click.option("--labeller", type=INPUT_FILE, help="Let the robot plan what this labeller says people expect.")
 @click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of an inexplicable step.")
 @click.option(
+    "--people",
+    metavar="TRACES",
+    type=INPUT_FILE,
+    help="With --labeller: foresee what you will ask for by what people did in these traces.",
+)
+@click.option(
     "--strategy",
     type=click.Choice(["follower", "nearest", "ff"]),
     default="nearest",
@@ -59,6 +65,7 @@ def play(
     map_file: Path,
     labeller: Path | None,
     alpha: float,
+    people: Path | None,
     strategy: str,
     ask: bool,
     simulated: str | None,
@@ -83,7 +90,7 @@ def play(
     problem = maps.encode(world, semantics)
     observable = observable_facts(problem)
     setting = prepare(problem, observable)
-    planner = _planner(setting, labeller, alpha, strategy)
+    planner = _planner(setting, labeller, alpha, people, strategy)
     person: Person
     if simulated is not None:
         person = _participant(setting, simulated, seed)
@@ -125,13 +132,19 @@ def _participant(setting: "Setting", family: str, seed: int) -> "SimulatedPerson
     return SimulatedPerson(setting, participant, np.random.default_rng((seed, 1)))
 
 
-def _planner(setting: "Setting", labeller: Path | None, alpha: float, strategy: str) -> "Planner":
+def _planner(
+    setting: "Setting", labeller: Path | None, alpha: float, people: Path | None, strategy: str
+) -> "Planner":
     from explicable.evaluation.replanning import ExplicablePlanner, Prices
     from explicable.evaluation.strategies import ClassicalPlanner, NearestPlanner, follow
-    from explicable.labelling import Labeller
+    from explicable.labelling import Labeller, read_traces
+    from explicable.planning import HumanModel
 
     if labeller is not None:
-        return ExplicablePlanner(Labeller.load(labeller), Prices(alpha=alpha))
+        human_model = HumanModel.learn(read_traces(people)) if people else None
+        return ExplicablePlanner(Labeller.load(labeller), Prices(alpha=alpha), human_model=human_model)
+    if people is not None:
+        raise click.UsageError("--people needs --labeller: other strategies foresee nothing")
     planners: dict[str, Callable[[], Planner]] = {
         "follower": lambda: follow,
         "nearest": lambda: NearestPlanner(setting),

@@ -24,6 +24,7 @@ from explicable.model.grounding import ground_team
 from explicable.model.problem import GroundAtom
 from explicable.model.requests import find_requests
 from explicable.model.task import Execution
+from explicable.planning import HumanModel
 from explicable.search import Outcome, SearchResult, search
 
 _NUM_PREDICTIONS = 4
@@ -74,6 +75,8 @@ class ExplicablePlanner:
         Of the parts of the objective.
     foresight
         What the person is believed to do next; None: no such term.
+    human_model
+        What people do, learned from traces: the foresight where there is no other.
     max_evaluations
         Budget of the anytime search, in states evaluated. 0: no such search.
     improve_s
@@ -87,10 +90,12 @@ class ExplicablePlanner:
         prices: Prices = USUAL_PRICES,
         *,
         foresight: Foresight | None = None,
+        human_model: HumanModel | None = None,
         max_evaluations: int = 500,
         improve_s: float | None = 0.1,
     ) -> None:
-        self.labeller, self.prices, self.foresight = labeller, prices, foresight
+        self.labeller, self.prices = labeller, prices
+        self.foresight, self.human_model = foresight, human_model
         self.max_evaluations, self.improve_s = max_evaluations, improve_s
         self._game: _LabelledGame | None = None
 
@@ -106,7 +111,7 @@ class ExplicablePlanner:
         first = self._search(game)
         if first.operators is None:
             return Proposal(first.outcome)
-        chances = self.foresight.predict() if self.foresight else {}
+        chances = self._chances(game, situation)
         plans = dict.fromkeys(self._alternatives(game, situation.announced, game.actions(first), chances))
 
         def price(plan: Actions) -> float:
@@ -117,6 +122,14 @@ class ExplicablePlanner:
             return game.objective(plan, prices.alpha) + changed + missed
 
         return Proposal(Outcome.SOLVED, min(plans, key=price))
+
+    def _chances(self, game: "_LabelledGame", situation: Situation) -> Mapping[GroundAtom, float]:
+        """Return how probable each next request is; empty: nothing is foreseen."""
+        if self.foresight is not None:
+            return self.foresight.predict()
+        if self.human_model is not None:
+            return self.human_model.next_steps(game.features, situation.past)
+        return {}
 
     def _alternatives(
         self, game: "_LabelledGame", announced: Actions, first: Actions, chances: Mapping[GroundAtom, float]

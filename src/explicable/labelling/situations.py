@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from explicable.labelling.features import MAX_REQUESTS, TeamFeatures
 from explicable.model.problem import GroundAtom
+from explicable.model.task import State
 
 HUMAN_FEATURES = (
     "waits, nothing open",
@@ -56,16 +57,42 @@ def situations(features: TeamFeatures, actions: Sequence[GroundAtom]) -> Iterato
         If a step is not applicable.
     """
     task, tables = features.task, features.tables
-    execution = task.execute(actions)
-    requests: list[int] = []  # open ones, the latest last
-    for number, operator in enumerate(execution.operators):
-        options = features.choices.options(execution.states[number], requests)
-        if options:
+    for number, (operator, state, requests) in enumerate(_moments(features, actions)):
+        options = features.choices.options(state, requests)
+        if operator is not None and options:
             waits = HUMAN_FEATURES[bool(requests)]
             possible = [task.action(option[0]) for option in options]
             step = possible.index(actions[number]) if tables.is_human(operator) else None
             described = [_describe(*option[1:]) for option in options]
             yield Situation(number, ({waits: 1.0}, {}), described, step)
+
+
+def options_after(
+    features: TeamFeatures, actions: Sequence[GroundAtom]
+) -> tuple[list[GroundAtom], list[dict[str, float]]]:
+    """Return the human steps that are possible when a plan has been carried out, and their features.
+
+    Raises
+    ------
+    PlanError
+        If a step is not applicable.
+    """
+    *_, (_, state, requests) = _moments(features, actions)
+    options = features.choices.options(state, requests)
+    return [features.task.action(option[0]) for option in options], [
+        _describe(*option[1:]) for option in options
+    ]
+
+
+def _moments(
+    features: TeamFeatures, actions: Sequence[GroundAtom]
+) -> Iterator[tuple[int | None, State, list[int]]]:
+    """Yield each step's operator, the state before it and the requests open then; at the end no operator."""
+    tables = features.tables
+    execution = features.task.execute(actions)
+    requests: list[int] = []  # open ones, the latest last
+    for number, operator in enumerate(execution.operators):
+        yield operator, execution.states[number], requests
         if tables.is_human(operator):
             if (asked := tables.asks_for(operator)) >= 0:
                 requests = [*(r for r in requests if r != asked), asked][-MAX_REQUESTS:]
@@ -73,6 +100,7 @@ def situations(features: TeamFeatures, actions: Sequence[GroundAtom]) -> Iterato
             requests = [r for r in requests if r not in tables.fulfils(operator)]
         after = execution.states[number + 1]
         requests = [r for r in requests if features.stands(r, after)]
+    yield None, execution.states[-1], requests
 
 
 def _describe(request: int, has_way: bool, rank: int, repeats: bool) -> dict[str, float]:

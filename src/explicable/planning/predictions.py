@@ -146,6 +146,38 @@ class HumanModel:
                 surprise += _nats(turn[1]) + _nats(which[situation.step])
         return PredictedSteps(tuple(probabilities), surprise)
 
+    def next_steps(
+        self, team: "TeamTask | TeamFeatures", actions: Sequence[GroundAtom] = ()
+    ) -> dict[GroundAtom, float]:
+        """Return what the person does next after these steps, if it acts: the probability of each step.
+
+        Raises
+        ------
+        PlanError
+            If a step is not applicable.
+
+        Examples
+        --------
+        >>> from explicable.first_response.encoding import encode
+        >>> from explicable.first_response.world import World
+        >>> from explicable.labelling.choices import ChoiceModel
+        >>> import numpy as np
+        >>> human = HumanModel(ChoiceModel(("asks for the nearest",), np.array([3.0])))
+        >>> chances = human.next_steps(ground_team(encode(World(("@*.*",)))))
+        >>> {step[-1]: round(chance, 2) for step, chance in sorted(chances.items())}
+        {'c-0-1': 0.95, 'c-0-3': 0.05}
+        """
+        from explicable.labelling.features import TeamFeatures
+        from explicable.labelling.situations import options_after
+
+        steps, options = options_after(
+            team if isinstance(team, TeamFeatures) else TeamFeatures(team), actions
+        )
+        if not steps:
+            return {}
+        (chances,) = self.model.predict_probabilities([options])
+        return dict(zip(steps, chances.tolist(), strict=True))
+
 
 def _nats(probability: float) -> float:
     return -math.log(probability) if probability > 0 else math.inf
