@@ -57,7 +57,7 @@ class LazyGroup(click.Group):
         """Commands in the order of the table above."""
         return list(COMMANDS)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 (as above)
         """Import the module that defines the command, and take it from there."""
         if cmd_name not in COMMANDS:
             return None

@@ -21,8 +21,8 @@ database_option = click.option(
 def study() -> None:
     """Collect people's labels in a browser."""
     try:
-        import fastapi  # noqa: F401
-        import sqlalchemy  # noqa: F401
+        import fastapi  # noqa: F401 (only whether it is there)
+        import sqlalchemy  # noqa: F401 (the same)
     except ImportError as error:
         raise click.UsageError(
             f"the study needs packages of its own ({error.name}): pip install 'explicable[study]'"

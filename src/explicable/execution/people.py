@@ -132,10 +132,10 @@ class ScriptedPerson(Watcher):
         """Never: it acts when asked."""
         return False
 
-    def choose(self, refused: frozenset[GroundAtom]) -> GroundAtom | None:  # noqa: ARG002
+    def choose(self, refused: frozenset[GroundAtom]) -> GroundAtom | None:  # noqa: ARG002 (a script heeds nothing)
         """Take the next step of the script."""
         return self._steps.pop() if self._steps else None
 
-    def judge(self, action: GroundAtom, state: State) -> bool | None:  # noqa: ARG002
+    def judge(self, action: GroundAtom, state: State) -> bool | None:  # noqa: ARG002 (a script heeds nothing)
         """Give the answer that was written."""
         return self._answer(action)

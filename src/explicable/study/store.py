@@ -195,7 +195,7 @@ def open_engine(url: str, *, begin: str = "BEGIN IMMEDIATE") -> Engine:
     if url.startswith("sqlite"):
 
         @event.listens_for(engine, "connect")
-        def prepare(connection: Any, _: object) -> None:  # noqa: ANN401
+        def prepare(connection: Any, _: object) -> None:  # noqa: ANN401 (each driver has its own)
             connection.isolation_level = None  # transactions begin below, not where the driver thinks
             for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON", "busy_timeout=20000"):
                 connection.execute(f"PRAGMA {pragma}")

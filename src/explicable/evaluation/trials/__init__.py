@@ -34,7 +34,7 @@ def perform(trial: Trial) -> Record:
     try:
         with threadpool_limits(1):
             rows = _module(trial.kind).measure(_make_settings(trial.kind, trial.settings), trial.seed)
-    except Exception as error:
+    except Exception as error:  # a trial that fails is a row of the report, and must not end the others
         return make_record(trial, error=_describe(error), trial_s=time.perf_counter() - began)
     return make_record(trial, rows=rows, trial_s=time.perf_counter() - began)
 
