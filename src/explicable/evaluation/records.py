@@ -17,6 +17,12 @@ from explicable.model.files import write_whole
 Settings = Mapping[str, Any]
 """By name: text, numbers, switches, or lists of them."""
 
+Row = dict[str, Any]
+"""One measured thing of a trial, by name."""
+
+Seed = tuple[int, int]
+"""Of an experiment and of a trial in it."""
+
 Record = dict[str, Any]
 """A trial's key and what came of it: ``outcome`` (done or failed), ``rows``, ``error``, ``trial_s``."""
 
@@ -45,7 +51,7 @@ class Trial:
     kind: str
     settings: Settings
     repeat: int
-    seed: tuple[int, int]
+    seed: Seed
 
     @property
     def key(self) -> str:

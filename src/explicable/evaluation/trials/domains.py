@@ -2,19 +2,16 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.trials.plans import PLANNERS, Knowledge
 from explicable.evaluation.trials.training import JUDGING, PLAYING, draw_participants, find_family, train
 from explicable.execution import judge, prepare, simulate, simulate_study
 from explicable.model.grounding import ground_team
 from explicable.pddl import read_team_problem
 from explicable.planning import HumanModel
-
-Row = dict[str, Any]
-Seed = tuple[int, int]
 
 FILES = ("domain.pddl", "problem.pddl", "human-domain.pddl", "human-problem.pddl")
 

@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
+from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.trials.training import (
     JUDGING,
     PLAYING,
@@ -23,9 +24,6 @@ from explicable.model.grounding import ground_team
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
 from explicable.planning import plan_classically, plan_explicably
-
-Row = dict[str, Any]
-Seed = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)

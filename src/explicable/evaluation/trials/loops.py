@@ -1,11 +1,12 @@
 """What decides in practice: the robot plans, a participant acts and judges, the robot plans again."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from explicable.errors import UsageError
+from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.replanning import Prices
 from explicable.evaluation.strategies import Strategy, play, strategies
 from explicable.evaluation.trials.training import (
@@ -17,9 +18,6 @@ from explicable.evaluation.trials.training import (
     training_traces,
 )
 from explicable.execution import Participant, Setting, SimulatedPerson, prepare
-
-Row = dict[str, Any]
-Seed = tuple[int, int]
 
 STRATEGIES = ("follower", "nearest", "ff", "explicable", "learning", "oracle")
 """See `explicable.evaluation.strategies.strategies`."""

@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from explicable.errors import UsageError
+from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.trials.training import (
     JUDGING,
     PLAYING,
@@ -27,9 +28,6 @@ from explicable.model.plan import format_action
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
 from explicable.planning import HumanModel, TeamPlan, plan_as_in_paper, plan_classically, plan_explicably
-
-Row = dict[str, Any]
-Seed = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,18 +3,15 @@
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
+from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.trials.training import TESTING, train, training_traces
 from explicable.first_response import encode, generate
 from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
 from explicable.planning import plan_classically, plan_explicably
-
-Row = dict[str, Any]
-Seed = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
