@@ -66,19 +66,21 @@ void check_scorer(const CoreTask& task, const PathScorer* scorer) {
     if (scorer && !scorer->fits(task)) throw std::invalid_argument("the scorer belongs to another task");
 }
 
-// Asks for pending signals (Ctrl-C); a search that they end still hands over what it has.
-bool has_been_interrupted() {
+// Handles pending signals (Ctrl-C), then asks whether the search is to end; it still hands over what it has.
+bool is_to_end(const nb::callable& interrupted) {
     const nb::gil_scoped_acquire gil;
-    if (PyErr_CheckSignals() == 0) return false;
-    PyErr_Clear();
-    return true;
+    if (PyErr_CheckSignals() != 0) {  // a handler of the program's own raised
+        PyErr_Clear();
+        return true;
+    }
+    return nb::cast<bool>(interrupted());
 }
 
 SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initial,
                     const std::vector<FactId>& goal, const std::string& algorithm,
                     const std::string& heuristic, const std::string& preferred, bool lookahead, double weight,
                     std::uint64_t seed, const PathScorer* scorer, const std::string& closing, double alpha, bool ratio,
-                    double gap, const nb::object& on_better, double time_limit_s, std::optional<std::size_t> memory_limit_bytes,
+                    double gap, const nb::object& on_better, const nb::callable& interrupted, double time_limit_s, std::optional<std::size_t> memory_limit_bytes,
                     std::optional<std::int64_t> max_evaluations) {
     check_scorer(task, scorer);
     SearchOptions options;
@@ -107,7 +109,7 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
 
     const nb::gil_scoped_release released;
     if (task.prepared.estimated_bytes() > limits.memory_bytes) throw std::bad_alloc();
-    Monitor monitor(limits, has_been_interrupted);
+    Monitor monitor(limits, [&interrupted] { return is_to_end(interrupted); });
     const Question question(task.prepared, std::move(start), goal);
     return solve(question, options, monitor);
 }
@@ -202,7 +204,7 @@ void bind_search(nb::module_& module) {
         .def_ro("search_s", &SearchAnswer::search_s);
     module.def("search", &search, "task"_a, "initial"_a.none(), "goal"_a, nb::kw_only(), "algorithm"_a,
                "heuristic"_a, "preferred"_a, "lookahead"_a, "weight"_a, "seed"_a, "scorer"_a.none(), "closing"_a, "alpha"_a,
-               "ratio"_a, "gap"_a, "on_better"_a.none(), "time_limit_s"_a, "memory_limit_bytes"_a.none(),
+               "ratio"_a, "gap"_a, "on_better"_a.none(), "interrupted"_a, "time_limit_s"_a, "memory_limit_bytes"_a.none(),
                "max_evaluations"_a.none());
     module.def("eliminate_actions", &eliminated, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a);
     module.def("search_neighbourhood", &neighbouring, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a,

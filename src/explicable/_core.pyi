@@ -134,6 +134,7 @@ def search(
     ratio: bool,
     gap: float,
     on_better: Callable[[float], None] | None,
+    interrupted: Callable[[], bool],
     time_limit_s: float,
     memory_limit_bytes: int | None,
     max_evaluations: int | None,

@@ -3,7 +3,6 @@
 import itertools
 import math
 import signal
-import threading
 from dataclasses import replace
 
 import pytest
@@ -157,12 +156,52 @@ def test_no_plan_no_front():
     assert (within.plan, within.outcome) == (None, Outcome.UNSOLVABLE)
 
 
-def test_a_front_that_is_interrupted_ends_with_what_was_found():
+class PressesCtrlC:
+    """A labeller at whose so-many-th question Ctrl-C is pressed: in the midst of the planner's Python."""
+
+    def __init__(self, labeller, question):
+        self._labeller, self._left = labeller, question
+
+    def scorer(self, *arguments, **options):
+        self._left -= 1
+        if self._left == 0:
+            signal.raise_signal(signal.SIGINT)
+        return self._labeller.scorer(*arguments, **options)
+
+    def __getattr__(self, name):
+        return getattr(self._labeller, name)
+
+
+@pytest.fixture
+def rovers():
     team, labeller = ground_team(example("rover-survey")), judge_of_progress()
     labeller.schemas = tuple(schema.name for schema in team.problem.robot.domain.actions)
-    interrupt = threading.Timer(2.0, signal.raise_signal, [signal.SIGINT])
-    interrupt.start()
-    found = front(team, labeller, search_s=3600.0)  # one search alone would take an hour
-    interrupt.join()
+    return team, labeller
+
+
+def test_a_front_that_is_interrupted_ends_with_what_was_found(rovers):
+    team, labeller = rovers
+    found = front(team, PressesCtrlC(labeller, question=2), search_s=0.01)
     assert found
     assert not any(corner.is_proved for corner in found)
+
+
+def test_ctrl_c_at_a_better_plan_ends_the_improvement_with_that_plan(rovers):
+    values = []
+
+    def press(value):
+        values.append(value)
+        signal.raise_signal(signal.SIGINT)
+
+    found = plan_explicably(*rovers, alpha=10.0, improve_s=3600.0, on_better=press)
+    assert found.outcome is Outcome.INTERRUPTED
+    assert found.objective <= min(values) + 1e-9
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_ctrl_c_before_the_first_plan_leaves_none(rovers):
+    team, labeller = rovers
+    found = plan_explicably(team, PressesCtrlC(labeller, question=1))
+    assert (found.outcome, found.plan) == (Outcome.INTERRUPTED, None)
+    with pytest.raises(KeyboardInterrupt):
+        front(team, PressesCtrlC(labeller, question=1), search_s=0.0)

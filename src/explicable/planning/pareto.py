@@ -16,7 +16,7 @@ from explicable.errors import UsageError
 from explicable.model.plan import JointPlan
 from explicable.model.team import TeamTask
 from explicable.planning.planner import TeamPlan, check_alpha, plan_classically, plan_explicably
-from explicable.search import Outcome
+from explicable.search import Outcome, held_interrupt
 
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan, Labeller
@@ -114,6 +114,7 @@ def front(
     return pool.front()
 
 
+@held_interrupt()
 def explore(
     team_task: TeamTask,
     labeller: "Labeller",

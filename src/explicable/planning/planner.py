@@ -18,7 +18,15 @@ from explicable.errors import UsageError
 from explicable.model.plan import JointPlan, Step, format_action
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
-from explicable.search import Algorithm, Closing, Outcome, PathScorer, SearchResult, search
+from explicable.search import (
+    Algorithm,
+    Closing,
+    Outcome,
+    PathScorer,
+    SearchResult,
+    held_interrupt,
+    search,
+)
 
 if TYPE_CHECKING:  # planning without a labeller starts without NumPy
     from explicable.labelling import LabelledPlan, Labeller
@@ -107,6 +115,7 @@ def plan_classically(
     return _team_plan(team_task, [result], labeller)
 
 
+@held_interrupt()  # between the searches, too, Ctrl-C leaves the best plan so far
 def plan_explicably(
     team_task: TeamTask,
     labeller: "Labeller",

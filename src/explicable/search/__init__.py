@@ -2,6 +2,7 @@
 
 from explicable._core import PathScorer
 from explicable.search.forward import Algorithm, Closing, search
+from explicable.search.interruption import held_interrupt
 from explicable.search.result import Outcome, SearchResult
 
-__all__ = ["Algorithm", "Closing", "Outcome", "PathScorer", "SearchResult", "search"]
+__all__ = ["Algorithm", "Closing", "Outcome", "PathScorer", "SearchResult", "held_interrupt", "search"]

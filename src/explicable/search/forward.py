@@ -8,6 +8,7 @@ from explicable import _core
 from explicable.errors import UsageError
 from explicable.model.problem import GroundAtom
 from explicable.model.task import State, Task
+from explicable.search.interruption import held_interrupt
 from explicable.search.result import Outcome, SearchResult
 
 Algorithm = Literal["default", "ff", "lazy", "eager", "bfws", "astar", "wastar", "anytime"]
@@ -139,33 +140,35 @@ def search(
     if memory_limit_bytes is None:
         memory_limit_bytes = task.search_memory_bytes
     try:
-        answer = _core.search(
-            task.core,
-            initial_state,
-            goal_facts,
-            algorithm=algorithm,
-            heuristic=heuristic or "",
-            preferred=preferred or ("none" if algorithm == "eager" else "helpful"),
-            lookahead=lookahead,
-            weight=weight,
-            seed=seed,
-            scorer=scorer,
-            closing=closing,
-            alpha=alpha,
-            ratio=distance == "ratio",
-            gap=gap,
-            on_better=on_better,
-            time_limit_s=math.inf if time_limit_s is None else time_limit_s,
-            memory_limit_bytes=memory_limit_bytes,
-            max_evaluations=max_evaluations,
-        )
+        with held_interrupt() as interrupt:
+            answer = _core.search(
+                task.core,
+                initial_state,
+                goal_facts,
+                algorithm=algorithm,
+                heuristic=heuristic or "",
+                preferred=preferred or ("none" if algorithm == "eager" else "helpful"),
+                lookahead=lookahead,
+                weight=weight,
+                seed=seed,
+                scorer=scorer,
+                closing=closing,
+                alpha=alpha,
+                ratio=distance == "ratio",
+                gap=gap,
+                on_better=on_better,
+                interrupted=interrupt.is_pending,
+                time_limit_s=math.inf if time_limit_s is None else time_limit_s,
+                memory_limit_bytes=memory_limit_bytes,
+                max_evaluations=max_evaluations,
+            )
     except MemoryError:  # even before the search began
         return SearchResult(Outcome.LIMIT, None, None, None, 0.0, False, 0, 0, 0, 0.0, "memory")
     except (ValueError, IndexError) as error:
         raise UsageError(str(error)) from error
     plan = answer.plan
     return SearchResult(
-        outcome=Outcome(answer.outcome),
+        outcome=Outcome.INTERRUPTED if interrupt.is_pending() else Outcome(answer.outcome),
         # What stands for a disjunctive goal is no step of the plan.
         operators=None if plan is None else tuple(operator for operator in plan if task.action(operator)),
         cost=None if plan is None else answer.cost,
