@@ -59,6 +59,23 @@ def test_what_is_remembered_is_what_a_fresh_search_finds():
             state = task.successor(state, operator)
 
 
+def test_what_is_known_leads_to_the_goal_at_any_moment():
+    """A planner in the background looks while the game finds something out."""
+    outlook = prepare(hospital()).truth
+
+    class Watched(dict):
+        def setdefault(self, key, value):
+            state, goal = key
+            _, operator = value
+            if operator != -1:
+                assert (outlook.task.successor(state, operator), goal) in self
+            return super().setdefault(key, value)
+
+    outlook._known = Watched()
+    assert outlook.mission_way(outlook.task.initial_state)
+    assert len(outlook._known) > 3
+
+
 def test_flipping_a_belief_is_undone_by_flipping_it_back():
     stage = prepare(hospital()).belief.stage
     state = stage.task.initial_state

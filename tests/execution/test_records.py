@@ -106,7 +106,7 @@ def test_a_damaged_record_is_refused_with_its_line(recorded, tmp_path, number, c
     assert caught.value.line == number + 1
 
 
-@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(junk=st.binary(max_size=60), number=st.integers(0, 5))
 def test_junk_is_refused(recorded, tmp_path, junk, number):
     path = tmp_path / "junk.jsonl"

@@ -29,19 +29,19 @@ def chains(draw, integer_scores=False):
 
 
 @given(chains())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_marginals_match_enumeration(chain):
     assert _core.marginals(*chain) == pytest.approx(oracle.marginals(*chain), abs=1e-9)
 
 
 @given(chains(integer_scores=True))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_viterbi_matches_enumeration_and_breaks_ties_towards_low_labels(chain):
     assert _core.viterbi(*chain).tolist() == list(oracle.best_labelling(*chain))
 
 
 @given(chains(), st.lists(st.booleans(), min_size=5, max_size=5), st.integers(0, 3))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_count_distribution_matches_enumeration(chain, flags, empty):
     state, transition, clamped = chain
     counted = np.array(flags[: len(state)], dtype=np.uint8)

@@ -40,7 +40,7 @@ def least_objective(task, scorer, alpha):
 
 
 @pytest.mark.parametrize("expected", [True, False])
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.3, 1.0]))
 def test_the_proved_objective_is_the_least(team, expected, seed, alpha):
     labeller = random_labeller(team, np.random.default_rng(seed))

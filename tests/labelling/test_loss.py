@@ -54,7 +54,7 @@ def oracle_loss(problem, weights, sequence_weights):
     st.sampled_from([0.5, 300.0]),
     st.sampled_from([0.0, 0.4, 1.0]),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_loss_and_gradient_match_enumeration(seed, num_labels, size, unobserved):
     """Scores of hundreds go through the passes in log space, small ones through the scaled passes."""
     rng = np.random.default_rng(seed)

@@ -42,7 +42,7 @@ def compare(problem):
     return requests
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.randoms(use_true_random=True))
 def test_the_two_agree_on_random_problems(rng):
     compare(random_team(rng))

@@ -35,7 +35,7 @@ def from_scratch(labeller, team, operators, states, *, expected):
 
 
 @pytest.mark.parametrize("expected", [True, False])
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1))
 def test_scores_equal_scores_from_scratch(team, expected, seed):
     rng = np.random.default_rng(seed)

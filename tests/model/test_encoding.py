@@ -31,7 +31,7 @@ def arrays_of(encoded):
     ]
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.randoms(use_true_random=True))
 def test_damaged_encodings_are_refused_or_grounded(rng):
     arrays = arrays_of(encode(ProblemMaker(rng).problem()))

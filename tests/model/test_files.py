@@ -36,7 +36,7 @@ def test_what_is_no_file_is_written_to_and_not_replaced(tmp_path):
     reader = threading.Thread(target=lambda: read.append(pipe.read_text()), daemon=True)
     reader.start()
     write_whole(pipe, "through the pipe")
-    reader.join(timeout=10)
+    reader.join(timeout=300)
     assert read == ["through the pipe"]
     assert pipe.is_fifo()
 

@@ -44,7 +44,7 @@ def check_state(problem, task, state, atoms):
     return {action: possible[action] for action in sorted(actions)}
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(GENERATORS)
 def test_task_behaves_as_the_problem_says(rng):
     problem = ProblemMaker(rng).problem()
@@ -65,7 +65,7 @@ def test_task_behaves_as_the_problem_says(rng):
         state = after[action].pop()
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(GENERATORS)
 def test_operators_are_those_of_the_relaxed_fixpoint(rng):
     problem = ProblemMaker(rng, strips=True).problem()
@@ -87,7 +87,7 @@ def test_operators_are_those_of_the_relaxed_fixpoint(rng):
     assert atoms - facts <= set(problem.init)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(GENERATORS)
 def test_facts_of_a_variable_exclude_each_other(rng):
     task = ground(ProblemMaker(rng).problem())
@@ -196,11 +196,15 @@ def test_grounding_can_be_interrupted():
     act = ActionSchema("act", parameters, TRUE, (Effect(Atom("f", ("?x0",))),))
     domain = Domain("d", frozenset(), {}, {}, (Predicate("f", parameters[:1]),), (), (act,))
     objects = {f"o{i}": ("object",) for i in range(40)}
+
+    def ground_until_the_alarm():
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        ground(Problem("p", domain, objects, (), TRUE, {}))
+
     before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, 0.1)
     try:
         with pytest.raises(AlarmError):
-            ground(Problem("p", domain, objects, (), TRUE, {}))
+            ground_until_the_alarm()
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)

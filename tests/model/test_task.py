@@ -147,7 +147,7 @@ def random_arrays(rng):
     }
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.randoms(use_true_random=True))
 def test_packed_states_follow_the_operators(rng):
     arrays = random_arrays(rng)

@@ -1,6 +1,6 @@
 """The writer: what it writes reads back as the same model."""
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from explicable.model.problem import (
@@ -140,7 +140,7 @@ def problems(draw):
     return Problem(draw(NAMES), domain, rest, init, ground.formula(()), values, draw(st.booleans()))
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=30)
 @given(problems())
 def test_what_is_written_reads_back(problem):
     domain = parse_domain(format_domain(problem.domain))

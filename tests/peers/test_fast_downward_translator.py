@@ -98,7 +98,7 @@ def repeats_a_variable(atom):
     return len(set(variables)) < len(variables)
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(st.randoms(use_true_random=True))
 def test_same_operators_on_random_strips(tmp_path, rng):
     problem = ProblemMaker(rng, strips=True).problem()

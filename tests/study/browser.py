@@ -2,11 +2,13 @@
 
 import os
 import shutil
-import subprocess
 from contextlib import contextmanager
 
 from playwright.sync_api import sync_playwright
 
+from debian import alone, run
+
+PATIENCE_MS = 300_000  # nothing takes that long; it is there so that what hangs ends
 FLAGS = [
     "--headless",
     "--no-sandbox",
@@ -20,12 +22,12 @@ FLAGS = [
 
 
 def find_chromium():
-    found = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if found is None and os.geteuid() == 0 and shutil.which("apt-get"):
-        environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-        for command in (["apt-get", "update", "-qq"], ["apt-get", "install", "-y", "-qq", "chromium"]):
-            subprocess.run(command, check=True, env=environment, capture_output=True, timeout=600)
-        found = shutil.which("chromium")
+    with alone():
+        found = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+        if found is None and os.geteuid() == 0 and shutil.which("apt-get"):
+            run(["apt-get", "update", "-qq"])
+            run(["apt-get", "install", "-y", "-qq", "chromium"])
+            found = shutil.which("chromium")
     if found is None:
         raise RuntimeError("the browser tests need Chromium: apt-get install chromium")
     return found
@@ -34,7 +36,7 @@ def find_chromium():
 @contextmanager
 def chromium():
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=find_chromium(), args=FLAGS)
+        browser = playwright.chromium.launch(executable_path=find_chromium(), args=FLAGS, timeout=PATIENCE_MS)
         try:
             yield browser
         finally:

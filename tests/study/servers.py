@@ -4,7 +4,6 @@ import os
 import random
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -15,6 +14,8 @@ import urllib.request
 from contextlib import contextmanager
 from pathlib import Path
 
+from ports import reserve_port
+
 DRIVER = "postgresql+psycopg"
 
 
@@ -22,9 +23,7 @@ class StudyServer:
     """`explicable study serve` as a process of its own, always at the same port."""
 
     def __init__(self, folder, *options):
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            self.port = free.getsockname()[1]
+        self.reserved, self.port = reserve_port()
         self.command = [sys.executable, "-m", "explicable", "study", "serve", str(folder)]
         self.command += ["--port", str(self.port), "--no-limits", *options]
         self.link = f"http://127.0.0.1:{self.port}/"
@@ -35,14 +34,14 @@ class StudyServer:
         self.process = subprocess.Popen(
             self.command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
         )
-        for _ in range(1200):
+        while self.process.poll() is None:
             try:
-                with urllib.request.urlopen(f"{self.link}health", timeout=5) as answer:  # noqa: S310
+                with urllib.request.urlopen(f"{self.link}health", timeout=60) as answer:  # noqa: S310
                     if answer.status == 200:
                         return
             except (urllib.error.URLError, OSError):
                 time.sleep(0.05)
-        raise RuntimeError("the study's server did not start")
+        raise RuntimeError(f"the study's server ended with {self.process.returncode}")
 
     def kill(self):
         """End it and its workers as a loss of power would."""
@@ -52,7 +51,9 @@ class StudyServer:
     def stop(self):
         """Ask it to stop, as Ctrl-C does; return its exit code."""
         self.process.send_signal(signal.SIGINT)
-        return self.process.wait(timeout=60)
+        code = self.process.wait(timeout=300)
+        self.reserved.close()
+        return code
 
 
 class Postgres:

@@ -174,10 +174,13 @@ class Outlook:
         if result.operators is None or result.cost is None:
             self._known[state, goal] = (math.inf, _NONE)
             return
-        remaining = result.cost
+        states = [state]
         for operator in result.operators:
-            # What is known stays, so that following the first operators always ends at the goal.
-            self._known.setdefault((state, goal), (remaining, operator))
-            remaining -= self.task.cost(operator)
-            state = self.task.successor(state, operator)
-        self._known.setdefault((state, goal), (remaining, _NONE))
+            states.append(self.task.successor(states[-1], operator))
+        # From the goal back, and what is known stays: so whatever is known leads to the goal, at any moment
+        # in which another thread may look.
+        remaining = 0
+        self._known.setdefault((states.pop(), goal), (remaining, _NONE))
+        for operator in reversed(result.operators):
+            remaining += self.task.cost(operator)
+            self._known.setdefault((states.pop(), goal), (remaining, operator))

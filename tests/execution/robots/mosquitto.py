@@ -4,10 +4,14 @@ import os
 import shutil
 import socket
 import subprocess
+import tempfile
 import time
 from pathlib import Path
 
-FOLDER = Path(__file__).parents[3] / "build" / "mosquitto"
+from debian import BUILD, alone, run
+from ports import reserve_port
+
+FOLDER = BUILD / "mosquitto"
 DEPENDS = ["apt-cache", "depends", "--recurse", "--no-recommends", "--no-suggests", "--no-conflicts"]
 DEPENDS += ["--no-breaks", "--no-replaces", "--no-enhances", "mosquitto"]
 
@@ -18,38 +22,28 @@ def find_broker():
     if found:
         return found, []
     program = FOLDER / "usr" / "sbin" / "mosquitto"
-    if not program.exists():
-        fetch()
+    with alone():
+        if not program.exists():
+            fetch()
     return str(program), [str(path) for path in (FOLDER / "usr" / "lib").glob("*-linux-*")]
 
 
 def fetch():
-    aside = FOLDER.with_suffix(f".{os.getpid()}")
-    aside.mkdir(parents=True)
-    listing = run(DEPENDS, aside)
-    if "mosquitto" not in listing.split():
-        run(["apt-get", "update", "-qq"], aside)
-        listing = run(DEPENDS, aside)
-    packages = [line for line in listing.splitlines() if line and line[0].isalnum()]
+    aside = Path(tempfile.mkdtemp(dir=BUILD))
+    if os.geteuid() == 0:  # the lists may be empty, or older than the packages
+        run(["apt-get", "update", "-qq"])
+    packages = [line for line in run(DEPENDS).splitlines() if line and line[0].isalnum()]
     missing = [name for name in packages if not is_installed(name)]
     run(["apt-get", "download", "-qq", *missing], aside)
     for package in aside.glob("*.deb"):
         run(["dpkg", "-x", package.name, "."], aside)
-    FOLDER.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        aside.rename(FOLDER)
-    except OSError:  # another process was faster
-        shutil.rmtree(aside)
+    shutil.rmtree(FOLDER, ignore_errors=True)
+    aside.rename(FOLDER)
 
 
 def is_installed(name):
     command = ["dpkg-query", "-W", "-f", "${Status}", name]
     return "ok installed" in subprocess.run(command, capture_output=True, text=True, check=False).stdout
-
-
-def run(command, folder):
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=True)
-    return done.stdout
 
 
 class BrokerProcess:
@@ -58,8 +52,7 @@ class BrokerProcess:
     def __init__(self, folder):
         self.program, libraries = find_broker()
         self.environment = {**os.environ, "LD_LIBRARY_PATH": ":".join(libraries)}
-        with socket.create_server(("127.0.0.1", 0)) as taken:
-            self.port = taken.getsockname()[1]
+        self.reserved, self.port = reserve_port()
         self.config = Path(folder) / "mosquitto.conf"
         self.config.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\npersistence false\n")
         self.start()
@@ -71,15 +64,19 @@ class BrokerProcess:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        for _ in range(200):
+        while self.process.poll() is None:
             try:
-                socket.create_connection(("127.0.0.1", self.port), timeout=1).close()
-            except ConnectionRefusedError:
+                socket.create_connection(("127.0.0.1", self.port), timeout=60).close()
+            except OSError:
                 time.sleep(0.05)
             else:
                 return
-        raise RuntimeError("the broker does not start")
+        raise RuntimeError(f"the broker ended with {self.process.returncode}")
 
     def kill(self):
         self.process.kill()
         self.process.wait()
+
+    def end(self):
+        self.kill()
+        self.reserved.close()

@@ -40,7 +40,7 @@ class Bus:
 class Node:
     def __init__(self, name, bus):
         self.name, self.bus = name, bus
-        self.inbox = queue.SimpleQueue()
+        self.inbox = queue.Queue()
         self.timers = []
 
     def create_publisher(self, kind, topic, qos):
@@ -90,7 +90,10 @@ class SingleThreadedExecutor:
                     for fire in node.timers:
                         fire()
                 else:
-                    callback(message)
+                    try:
+                        callback(message)
+                    finally:
+                        node.inbox.task_done()
 
     def shutdown(self):
         self.ended.set()

@@ -1,10 +1,9 @@
-import time
 from contextlib import contextmanager
 
 import pytest
 from mosquitto import BrokerProcess
 from paho.mqtt.publish import single
-from rigs import FINISHES, HANGS, STEPS, scripted_report
+from rigs import FINISHES, HANGS, PATIENCE_S, STEPS, scripted_report, until
 
 from explicable.errors import UsageError
 from explicable.execution.robots import Accepted, Failed, Finished, Order, Refused
@@ -17,15 +16,7 @@ from explicable.execution.robots.mqtt import Broker, MqttClient, MqttFleet
 def process(tmp_path_factory):
     process = BrokerProcess(tmp_path_factory.mktemp("broker"))
     yield process
-    process.kill()
-
-
-def until(holds):
-    for _ in range(2000):
-        if holds():
-            return
-        time.sleep(0.01)
-    raise AssertionError("this should have come about")
+    process.end()
 
 
 def carry_out(side):
@@ -54,8 +45,8 @@ def test_a_robot_behind_a_broker_conforms(process):
 def test_a_robot_that_is_not_there_or_leaves_gets_no_orders(process):
     with connected(process, "leaving") as (fleet, client):
         assert fleet.robots["r2"].send(Order(1, HANGS)) == Refused(1, "not connected")
+        client._client.loop_stop()  # it does not come back
         client._client.socket().close()  # it falls silent, without a word; the broker speaks its will
-        client._client.loop_stop()
         until(lambda: not fleet.robots["r1"].state().connected)
         assert fleet.robots["r1"].send(Order(1, HANGS)) == Refused(1, "not connected")
 
@@ -72,7 +63,7 @@ def test_a_broker_that_dies_and_returns_loses_no_order_and_no_answer(process):
         client.side.report(Finished(1))  # into the void
         robot.cancel()
         process.start()
-        assert robot.poll(30) == Finished(1)
+        assert robot.poll(PATIENCE_S) == Finished(1)
         assert robot.state().order is None
         until(lambda: robot.state().connected)
         assert robot.send(Order(2, FINISHES[1])) == Accepted(2)
@@ -90,7 +81,7 @@ def test_messages_that_are_wrong_or_come_twice_change_nothing(process):
         topic = "explicable/noisy/r1/reports"
         for payload in (b"", b"\xff", b"{" * 100_000, forged, stranger, answer, answer):
             single(topic, payload, qos=1, hostname="127.0.0.1", port=process.port)
-        assert robot.poll(20) == Finished(1)
+        assert robot.poll(PATIENCE_S) == Finished(1)
         until(lambda: fleet.num_refused == 5)
         assert robot.poll() is None
 

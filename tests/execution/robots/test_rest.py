@@ -3,7 +3,7 @@ import threading
 from contextlib import contextmanager
 
 import pytest
-from rigs import FINISHES, HANGS, STEPS, scripted_report
+from rigs import FINISHES, HANGS, PATIENCE_S, STEPS, scripted_report
 
 from explicable.errors import RobotError, UsageError
 from explicable.execution.robots import Accepted, Failed, Finished, Order, Refused
@@ -61,7 +61,7 @@ def server():
 
 
 def ask(server, method, path, body=None, **headers):
-    connection = http.client.HTTPConnection(server.host, server.port, timeout=20)
+    connection = http.client.HTTPConnection(server.host, server.port, timeout=PATIENCE_S)
     connection.request(method, path, body, headers)
     response = connection.getresponse()
     status, text = response.status, response.read().decode()
@@ -114,7 +114,7 @@ def test_a_body_without_end_is_cut_off(server):
         for _ in range(3):
             yield b" " * MAX_BYTES
 
-    connection = http.client.HTTPConnection(server.host, server.port, timeout=20)
+    connection = http.client.HTTPConnection(server.host, server.port, timeout=PATIENCE_S)
     try:
         connection.request("POST", "/v1/robots/r1/messages", chunks(), BEARER, encode_chunked=True)
         status = connection.getresponse().status
@@ -129,15 +129,15 @@ def test_an_answer_that_got_lost_is_given_again():
     with RestServer(TOKENS) as server:
         client, robot = connect(server), server.robots["r1"]
         assert robot.send(Order(1, FINISHES[0])) == Accepted(1)
-        assert client.pull(5)
+        assert client.pull(30)
         order = client.side.order
         client._address = (server.host, 1)  # the way to the server is gone
         with pytest.raises(OSError, match="refused"):
             client.side.report(Finished(order.number))
         client._address = (server.host, server.port)
-        assert client.pull(5)  # the step, once more
+        assert client.pull(30)  # the step, once more
         assert client.side.order is None
-        assert robot.poll(5) == Finished(1)
+        assert robot.poll(PATIENCE_S) == Finished(1)
 
 
 def test_a_robot_nobody_has_heard_of_gets_no_orders():

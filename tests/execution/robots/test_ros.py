@@ -1,11 +1,13 @@
 import threading
+import time
 from contextlib import contextmanager
+from types import SimpleNamespace
 
 import pytest
 import ros_stand_in
-from rigs import HANGS, STEPS, scripted_report
+from rigs import HANGS, PATIENCE_S, STEPS, scripted_report, until
 
-from explicable.execution.robots import Accepted, Failed, Order, Refused
+from explicable.execution.robots import Accepted, Failed, Order, Refused, remote
 from explicable.execution.robots.conformance import Rig, check
 from explicable.execution.robots.ros import RosClient, RosFleet
 
@@ -42,14 +44,6 @@ def robots_node(name, team):
         node.destroy_node()
 
 
-def until(holds):
-    for _ in range(2000):
-        if holds():
-            return
-        threading.Event().wait(0.01)
-    raise AssertionError("this should have come about")
-
-
 def test_a_robot_behind_the_stand_in_for_ros_conforms():
     @contextmanager
     def rig():
@@ -60,19 +54,24 @@ def test_a_robot_behind_the_stand_in_for_ros_conforms():
     assert check(rig) == ()
 
 
-def test_a_node_that_falls_silent_gets_no_orders_and_one_that_returns_its_open_order():
+def test_a_node_that_falls_silent_gets_no_orders_and_one_that_returns_its_open_order(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(remote, "time", SimpleNamespace(monotonic=lambda: now[0], time_ns=time.time_ns))
     with RosFleet(["r1"], silence_s=0.5) as fleet:
         robot = fleet.robots["r1"]
         assert robot.send(Order(1, HANGS)) == Refused(1, "not connected")
         with robots_node("r1", "team"):
             until(lambda: robot.state().connected)
             assert robot.send(Order(1, HANGS)) == Accepted(1)
-        until(lambda: not robot.state().connected)
+        fleet._node.inbox.join()  # nothing is on its way any more
+        assert robot.state().connected
+        now[0] = 1.0
+        assert not robot.state().connected
         assert robot.send(Order(2, HANGS)) == Refused(2, "not connected")
         with robots_node("r1", "team") as client:
             until(lambda: client.side.order == Order(1, HANGS))
             robot.cancel()
-            assert robot.poll(20) == Failed(1, "cancelled")
+            assert robot.poll(PATIENCE_S) == Failed(1, "cancelled")
 
 
 def test_noise_on_a_topic_is_counted_and_changes_nothing():

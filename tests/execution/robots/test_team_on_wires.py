@@ -4,6 +4,7 @@ import threading
 from contextlib import ExitStack
 
 from mosquitto import BrokerProcess
+from rigs import PATIENCE_S, until
 
 from explicable.execution import prepare
 from explicable.execution.dispatch import Dispatcher
@@ -37,14 +38,6 @@ class SharedWorld(SimulatedWorld):
         side.report(Finished(number) if self.take(side.order.action) else Failed(number, "not possible"))
 
 
-def until(holds):
-    for _ in range(2000):
-        if holds():
-            return
-        threading.Event().wait(0.01)
-    raise AssertionError("this should have come about")
-
-
 def test_a_schedule_is_carried_out_over_http_and_mqtt_at_once(tmp_path):
     problem = encode(World(("@..*", "####", "*..@")), num_people=2)
     task = ground(problem.composite)
@@ -52,7 +45,7 @@ def test_a_schedule_is_carried_out_over_http_and_mqtt_at_once(tmp_path):
     world = SharedWorld(task)
     with ExitStack() as stack:
         process = BrokerProcess(tmp_path)
-        stack.callback(process.kill)
+        stack.callback(process.end)
         broker, stop = Broker(port=process.port), threading.Event()
         server = stack.enter_context(RestServer({"r1": TOKEN}))
         fleet = stack.enter_context(MqttFleet(broker, ["r2"]))
@@ -71,7 +64,7 @@ def test_a_schedule_is_carried_out_over_http_and_mqtt_at_once(tmp_path):
         crew = [server.robots["r1"], fleet.robots["r2"]]
         crew += [SimulatedRobot(agent.name, world) for agent in problem.agents if agent.kind == "human"]
         until(lambda: all(member.state().connected for member in crew))
-        run = Dispatcher(prepare(problem), schedule, crew, limits=DispatchLimits(total_s=60.0)).run()
+        run = Dispatcher(prepare(problem), schedule, crew, limits=DispatchLimits(total_s=PATIENCE_S)).run()
     assert (run.ending, run.num_plans, run.lost) == (Ending.REACHED, 0, frozenset())
     assert sorted(done.step.action for done in run.steps) == sorted(schedule.actions)
     assert task.is_goal(world.state)
