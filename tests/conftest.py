@@ -1,6 +1,12 @@
 """Settings of the whole test run."""
 
+import signal
+
 from hypothesis import HealthCheck, settings
+
+# Started in the background of a script, the tests and all programs that they start would ignore Ctrl-C.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # The same commit gives the same result, on a busy machine too: nothing is timed, and examples are drawn from
 # fixed seeds. `--hypothesis-profile=searching` draws others, on the look-out for mistakes.
