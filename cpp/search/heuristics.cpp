@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "search/tour.hpp"
+
 namespace explicable {
 
 BlindHeuristic::BlindHeuristic(const Question& question) : question_(question) {
@@ -171,6 +173,10 @@ std::unique_ptr<AdmissibleHeuristic> make_admissible(const Question& question, s
     if (name == "blind") return std::make_unique<BlindHeuristic>(question);
     if (name == "hmax") return std::make_unique<LandmarkCut>(question, false);
     if (name == "lmcut") return std::make_unique<LandmarkCut>(question, true);
+    if (name == "tour") {
+        if (auto tour = std::make_unique<TourHeuristic>(question); tour->has_tour()) return tour;
+        return make_admissible(question, "lmcut");
+    }
     return nullptr;
 }
 

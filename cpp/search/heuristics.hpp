@@ -72,7 +72,7 @@ private:
     std::int32_t charge_cut();
 };
 
-// "blind", "hmax" or "lmcut"; null for any other name.
+// "blind", "hmax", "lmcut", or "tour", which is LM-cut where there is nothing to tour; null for any other name.
 std::unique_ptr<AdmissibleHeuristic> make_admissible(const Question& question, std::string_view name);
 
 }  // namespace explicable

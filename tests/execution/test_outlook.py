@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hospital import DOMAIN, PROBLEM, hospital
 
+from explicable import _core
 from explicable.execution.outlook import Outlook
 from explicable.execution.setting import prepare
 from explicable.execution.stage import build_stage
@@ -74,6 +75,18 @@ def test_what_is_known_leads_to_the_goal_at_any_moment():
     outlook._known = Watched()
     assert outlook.mission_way(outlook.task.initial_state)
     assert len(outlook._known) > 3
+
+
+@pytest.mark.parametrize("semantics", ["persistent", "exclusive"])
+def test_a_tour_of_all_rooms_is_what_the_mission_costs_a_robot_that_searches_alone(semantics):
+    for seed in range(4):
+        world = generate(np.random.default_rng(seed), height=5, width=5, num_marks=4)
+        outlook = prepare(encode(world, semantics)).belief
+        task = outlook.task
+        start = outlook.stage.with_humans(task.initial_state)
+        tour = _core.heuristic_value(task.core, start, list(task.goal), "tour")
+        exact = search(task, "astar", initial_state=start, heuristic="lmcut").cost
+        assert tour == exact == outlook.mission_cost(task.initial_state)
 
 
 def test_flipping_a_belief_is_undone_by_flipping_it_back():

@@ -44,7 +44,7 @@ def test_every_search_is_right_about_solvability(tiny, algorithm, seed):
     assert search(task, algorithm, seed=seed).operators == result.operators
 
 
-@given(tiny_tasks(), st.sampled_from(["lmcut", "hmax", "blind"]))
+@given(tiny_tasks(), st.sampled_from(["lmcut", "hmax", "blind", "tour"]))
 def test_astar_and_anytime_find_the_optimum(tiny, heuristic):
     task = ground(tiny.problem())
     optimum = optimal_cost(tiny)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from explicable.errors import ResourceError
 from explicable.execution.stage import Stage
@@ -10,11 +10,12 @@ from explicable.model.problem import GroundAtom
 from explicable.model.requests import Request, find_requests
 from explicable.model.task import State
 from explicable.model.team import TeamProblem
-from explicable.search import Outcome, search
+from explicable.search import Outcome, SearchResult, search
 
 Goal = tuple[int, ...]
 
 _NONE = -1  # no operator: at the goal, or no way there
+_TOUR_EVALUATIONS = 10_000  # a fraction of a second
 
 
 class _End(NamedTuple):
@@ -164,9 +165,7 @@ class Outlook:
         return tuple(way)
 
     def _explore(self, state: State, goal: Goal) -> None:
-        # A request mostly needs one thing, for which h_max is as good as LM-cut and much cheaper.
-        heuristic: Literal["lmcut", "hmax"] = "lmcut" if goal == self.task.goal else "hmax"
-        result = search(self.task, "astar", initial_state=state, goal=goal, heuristic=heuristic)
+        result = self._search(state, goal)
         if result.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         if result.outcome is Outcome.LIMIT:
@@ -184,3 +183,14 @@ class Outlook:
         for operator in reversed(result.operators):
             remaining += self.task.cost(operator)
             self._known.setdefault((states.pop(), goal), (remaining, operator))
+
+    def _search(self, state: State, goal: Goal) -> SearchResult:
+        if goal != self.task.goal:  # a request mostly needs one thing: h_max is as good, and cheaper
+            return search(self.task, "astar", initial_state=state, goal=goal, heuristic="hmax")
+        # A mission mostly lies in many places: then a shortest tour of them says almost all there is to say.
+        result = search(
+            self.task, "astar", initial_state=state, heuristic="tour", max_evaluations=_TOUR_EVALUATIONS
+        )
+        if result.limit != "evaluations":
+            return result
+        return search(self.task, "astar", initial_state=state, heuristic="lmcut")

@@ -12,7 +12,7 @@ from explicable.search.interruption import held_interrupt
 from explicable.search.result import Outcome, SearchResult
 
 Algorithm = Literal["default", "ff", "lazy", "eager", "bfws", "astar", "wastar", "anytime"]
-Heuristic = Literal["ff", "lmcut", "hmax", "blind"]
+Heuristic = Literal["ff", "lmcut", "hmax", "blind", "tour"]
 Preferred = Literal["relaxed plan", "helpful", "none"]
 Closing = Literal["state", "context"]
 Distance = Literal["count", "ratio"]
@@ -67,7 +67,9 @@ def search(
             are few enough (some 100 000).
         Where to start and what to reach, if not what the task says; the goal as facts or atoms.
     heuristic
-        For ``"astar"`` (``"lmcut"``, ``"hmax"``, ``"blind"``) and ``"wastar"`` (``"ff"`` as well).
+        For ``"astar"`` (``"lmcut"``, ``"hmax"``, ``"blind"``, ``"tour"``) and ``"wastar"`` (``"ff"`` as
+        well). The tour goes through all places where one variable, such as a robot's position, has to be for
+        the goal; where there are none, it is LM-cut.
     preferred
         Which operators the second queue holds: all helpful actions (default of ``"lazy"``), those that are in
         the relaxed plan, or none (default of ``"eager"``).

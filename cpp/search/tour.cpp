@@ -1,0 +1,270 @@
+#include "search/tour.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <queue>
+#include <set>
+
+namespace explicable {
+
+namespace {
+
+bool contains(std::span<const FactId> facts, FactId fact) {
+    return std::find(facts.begin(), facts.end(), fact) != facts.end();
+}
+
+}  // namespace
+
+TourHeuristic::TourHeuristic(const Question& question)
+    : question_(question), is_charged_(question.task.num_operators(), 0) {
+    const Task& task = question.task;
+    Table<FactId> adds;
+    std::vector<FactId> added;
+    for (OperatorId id = 0; id < task.num_operators(); ++id) {
+        added.assign(task.adds[id].begin(), task.adds[id].end());
+        for (std::int32_t effect = task.effect_offsets[id]; effect < task.effect_offsets[id + 1]; ++effect) {
+            added.insert(added.end(), task.effect_adds[effect].begin(), task.effect_adds[effect].end());
+        }
+        adds.push_back(added);
+    }
+    achievers_ = inverse(adds, task.num_facts());
+    find_possible();
+    choose_mover();
+    if (mover_ == none) return;
+    measure_distances();
+    plan_tours();
+    list_parts();
+}
+
+// By the delete relaxation from the question's state. What can't change there, such as a way that is blocked, closes operators.
+void TourHeuristic::find_possible() {
+    const Task& task = question_.task;
+    std::vector<char> reached(task.num_facts(), 0);
+    std::vector<FactId> stack;
+    const auto reach = [&](FactId fact) {
+        if (reached[fact]) return;
+        reached[fact] = 1;
+        stack.push_back(fact);
+    };
+    for (VariableId variable = 0; variable < task.num_variables(); ++variable) {
+        if (const auto value = question_.initial.values[variable]) reach(task.variable_facts[variable][value - 1]);
+    }
+    // Conditions of effects are left out: that only makes more possible.
+    const auto needing = inverse(task.preconditions, task.num_facts());
+    possible_.assign(task.num_operators(), 0);
+    std::vector<std::int32_t> missing(task.num_operators());
+    const auto execute = [&](OperatorId id) {
+        possible_[id] = 1;
+        for (const FactId fact : task.adds[id]) reach(fact);
+        for (auto effect = task.effect_offsets[id]; effect < task.effect_offsets[id + 1]; ++effect) {
+            for (const FactId fact : task.effect_adds[effect]) reach(fact);
+        }
+    };
+    for (OperatorId id = 0; id < task.num_operators(); ++id) {
+        missing[id] = static_cast<std::int32_t>(task.preconditions[id].size());
+        if (missing[id] == 0) execute(id);
+    }
+    while (!stack.empty()) {
+        const FactId fact = stack.back();
+        stack.pop_back();
+        for (const OperatorId id : needing[fact]) {
+            if (--missing[id] == 0) execute(id);
+        }
+    }
+}
+
+std::vector<OperatorId> TourHeuristic::achievers_of(FactId fact) const {
+    std::vector<OperatorId> found;
+    for (const OperatorId id : achievers_[fact]) {
+        if (possible_[id] && (found.empty() || found.back() != id)) found.push_back(id);
+    }
+    return found;
+}
+
+bool TourHeuristic::moves(OperatorId id, VariableId variable) const {
+    const Task& task = question_.task;
+    const auto touches = [&](std::span<const FactId> facts) {
+        return std::any_of(facts.begin(), facts.end(), [&](FactId f) { return task.fact_variable[f] == variable; });
+    };
+    if (touches(task.adds[id]) || touches(task.deletes[id])) return true;
+    for (auto effect = task.effect_offsets[id]; effect < task.effect_offsets[id + 1]; ++effect) {
+        if (touches(task.effect_adds[effect]) || touches(task.effect_deletes[effect])) return true;
+    }
+    return false;
+}
+
+std::int32_t TourHeuristic::place_needed(FactId goal, VariableId variable) const {
+    const Task& task = question_.task;
+    if (task.fact_variable[goal] == variable) return task.fact_value[goal];
+    std::int32_t place = 0;
+    for (const OperatorId id : achievers_of(goal)) {
+        std::int32_t needed = 0;
+        for (const FactId fact : task.preconditions[id]) {
+            if (task.fact_variable[fact] == variable) needed = task.fact_value[fact];
+        }
+        if (needed == 0 || (place != 0 && needed != place)) return 0;
+        place = needed;
+    }
+    return place;
+}
+
+// The variable that has to be in most places.
+void TourHeuristic::choose_mover() {
+    const Task& task = question_.task;
+    std::set<VariableId> candidates;
+    std::vector<FactId> lacking;
+    for (const FactId goal : question_.goal) {
+        if (question_.initial.holds(task, goal)) continue;
+        lacking.push_back(goal);
+        candidates.insert(task.fact_variable[goal]);
+        const auto achievers = achievers_of(goal);
+        if (achievers.empty()) continue;
+        for (const FactId fact : task.preconditions[achievers.front()]) candidates.insert(task.fact_variable[fact]);
+    }
+    for (const VariableId variable : candidates) {
+        std::vector<std::int32_t> places;
+        for (const FactId goal : lacking) {
+            const std::int32_t place = place_needed(goal, variable);
+            if (place != 0 && std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
+        }
+        if (places.size() > most_stops) places.resize(most_stops);
+        if (places.size() > stops_.size()) {
+            mover_ = variable;
+            stops_ = std::move(places);
+        }
+    }
+}
+
+// Backwards from each stop, by Dijkstra's algorithm. Operators that move the mover are charged for here.
+void TourHeuristic::measure_distances() {
+    struct Move {
+        std::int32_t from;
+        double cost;
+    };
+    const Task& task = question_.task;
+    const std::int32_t num_values = static_cast<std::int32_t>(task.variable_facts[mover_].size()) + 1;
+    std::vector<std::vector<Move>> moves_to(num_values);
+    for (OperatorId id = 0; id < task.num_operators(); ++id) {
+        if (!possible_[id] || !moves(id, mover_)) continue;
+        is_charged_[id] = 1;
+        std::int32_t from = -1;
+        for (const FactId fact : task.preconditions[id]) {
+            if (task.fact_variable[fact] == mover_) from = task.fact_value[fact];
+        }
+        const double cost = std::max(0, task.cost[id]);
+        const auto arrive = [&](std::int32_t to) {
+            if (from >= 0) {
+                moves_to[to].push_back({from, cost});
+            } else {
+                for (std::int32_t value = 0; value < num_values; ++value) moves_to[to].push_back({value, cost});
+            }
+        };
+        bool lands = false;
+        const auto land = [&](std::span<const FactId> facts) {
+            for (const FactId fact : facts) {
+                if (task.fact_variable[fact] != mover_) continue;
+                lands = true;
+                arrive(task.fact_value[fact]);
+            }
+        };
+        land(task.adds[id]);
+        const bool lands_for_certain = lands;
+        for (auto effect = task.effect_offsets[id]; effect < task.effect_offsets[id + 1]; ++effect) {
+            land(task.effect_adds[effect]);
+        }
+        if (!lands_for_certain) arrive(0);
+    }
+    using Entry = std::pair<double, std::int32_t>;
+    for (const std::int32_t stop : stops_) {
+        auto& distance = distance_.emplace_back(num_values, dead_end);
+        std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+        distance[stop] = 0.0;
+        queue.push({0.0, stop});
+        while (!queue.empty()) {
+            const auto [reached, value] = queue.top();
+            queue.pop();
+            if (reached > distance[value]) continue;
+            for (const Move& move : moves_to[value]) {
+                if (reached + move.cost >= distance[move.from]) continue;
+                distance[move.from] = reached + move.cost;
+                queue.push({distance[move.from], move.from});
+            }
+        }
+    }
+}
+
+// Held & Karp: a tour that begins at one stop of a set is that one, and a tour of the others.
+void TourHeuristic::plan_tours() {
+    const std::size_t num_stops = stops_.size();
+    tour_.assign((std::size_t{1} << num_stops) * num_stops, dead_end);
+    for (std::size_t set = 1; set < std::size_t{1} << num_stops; ++set) {
+        for (std::size_t first = 0; first < num_stops; ++first) {
+            const std::size_t rest = set & ~(std::size_t{1} << first);
+            if (rest == set) continue;
+            double best = rest ? dead_end : 0.0;
+            for (std::size_t next = 0; next < num_stops; ++next) {
+                if (rest >> next & 1) {
+                    best = std::min(best, distance_[next][stops_[first]] + tour_[rest * num_stops + next]);
+                }
+            }
+            tour_[set * num_stops + first] = best;
+        }
+    }
+}
+
+// What lacks and is needed in any case, as long as no operator is charged for two of them.
+void TourHeuristic::list_parts() {
+    const Task& task = question_.task;
+    for (const FactId goal : question_.goal) {
+        Part part{goal, {}, -1};
+        const auto stop = std::find(stops_.begin(), stops_.end(), place_needed(goal, mover_));
+        if (stop != stops_.end()) part.stop = static_cast<int>(stop - stops_.begin());
+        const auto achievers = achievers_of(goal);
+        charge(goal, part.needs);
+        if (!achievers.empty()) {
+            for (const FactId fact : task.preconditions[achievers.front()]) {
+                const bool by_all = std::all_of(achievers.begin(), achievers.end(), [&](OperatorId id) {
+                    return contains(task.preconditions[id], fact);
+                });
+                if (by_all && task.fact_variable[fact] != mover_) charge(fact, part.needs);
+            }
+        }
+        parts_.push_back(std::move(part));
+    }
+}
+
+bool TourHeuristic::charge(FactId fact, std::vector<Need>& needs) {
+    const auto achievers = achievers_of(fact);
+    double cheapest = dead_end;
+    for (const OperatorId id : achievers) {
+        if (is_charged_[id]) return false;
+        cheapest = std::min(cheapest, static_cast<double>(std::max(0, question_.task.cost[id])));
+    }
+    for (const OperatorId id : achievers) is_charged_[id] = 1;
+    needs.push_back({fact, cheapest});
+    return true;
+}
+
+double TourHeuristic::evaluate(const State& state) {
+    const Task& task = question_.task;
+    double sum = 0.0;
+    std::size_t left = 0;
+    for (const Part& part : parts_) {
+        if (state.holds(task, part.goal)) continue;
+        if (part.stop >= 0) left |= std::size_t{1} << part.stop;
+        for (const Need& need : part.needs) {
+            if (!state.holds(task, need.fact)) sum += need.cost;
+        }
+    }
+    if (left == 0) return sum;
+    const std::size_t num_stops = stops_.size();
+    double best = dead_end;
+    for (std::size_t first = 0; first < num_stops; ++first) {
+        if (left >> first & 1) {
+            best = std::min(best, distance_[first][state.values[mover_]] + tour_[left * num_stops + first]);
+        }
+    }
+    return sum + best;
+}
+
+}  // namespace explicable
