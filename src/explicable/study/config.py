@@ -15,6 +15,7 @@ FILE = "study.toml"
 
 Text = Annotated[str, Field(min_length=1, max_length=20_000)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
+Inside = Annotated[str, Field(pattern=r"^[1-9] in [1-9]$")]
 Seconds = Annotated[float, Field(ge=0, le=60)]
 
 
@@ -57,6 +58,11 @@ class Play(_Table):
             raise ValueError("live teaming needs a labeller: labeller = FILE (see `explicable train`)")
         return self
 
+    @property
+    def waits(self) -> bool:
+        """Whether the robot never moves without a command: under ``exclusive`` it can't, in any mode."""
+        return self.mode == "commanded" or self.semantics == "exclusive"
+
 
 class Condition(Play):
     """An experimental condition: a name, and what differs from the table ``play``."""
@@ -77,6 +83,9 @@ class Task(_Table):
         Plan file to replay; without it the map is played.
     source
         What made the plan, such as ``ff``; goes into the data, people never see it.
+    picture
+        Renderer: ``first-response`` (maps), ``places`` (boxes for what is where), ``none`` (words alone). A
+        task with a map is a map's picture by default, another is words.
     people
         How many people should finish this task in each condition (played) or altogether (replayed).
     """
@@ -89,11 +98,15 @@ class Task(_Table):
     human_problem: Text | None = None
     plan: Text | None = None
     source: Text = "study"
+    picture: Literal["first-response", "places", "none"] | None = None
     people: Annotated[int, Field(ge=1, le=100_000)] = 5
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
-        if (self.map is None) == (self.domain is None):
+        if self.picture == "first-response" and self.map is None:
+            raise ValueError("a picture of a first-response map needs the map: map = FILE")
+        is_pictured = self.picture == "first-response" and self.domain is not None
+        if (self.map is None) == (self.domain is None) and not is_pictured:
             raise ValueError("a task has either a map, or a domain and a problem")
         if self.domain is not None and (self.problem is None or self.plan is None):
             raise ValueError("a task with a domain needs a problem and a plan")
@@ -168,6 +181,8 @@ class Study(_Table):
         Comprehension questions; attention checks, which stand among the ratings.
     sentences, facts
         Templates by action schema and by predicate, see `explicable.study.sentences`.
+    places
+        For the renderer of that name: by predicate which argument is in which other.
     """
 
     title: Text
@@ -187,6 +202,7 @@ class Study(_Table):
     rating: Annotated[list[Rating], Field(max_length=50)] = []
     sentences: dict[str, Text] = {}
     facts: dict[str, Text] = {}
+    places: dict[str, Inside] = {"at": "1 in 2", "in": "1 in 2", "on": "1 in 2"}
     task: Annotated[list[Task], Field(min_length=1, max_length=10_000)]
 
     @model_validator(mode="after")
@@ -205,6 +221,16 @@ class Study(_Table):
     def conditions(self) -> list[Condition]:
         """The conditions; a study that names none has one."""
         return self.condition or [Condition(**self.play.model_dump())]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is allowed, but hardly meant."""
+        return [
+            f"condition {condition.name!r}: in exclusive play the robot never moves without a command, so"
+            ' that autonomous play is as commanded play; semantics = "persistent" lets it lead'
+            for condition in self.conditions
+            if condition.mode == "autonomous" and condition.waits
+        ]
 
 
 def read_study(folder: str | Path) -> Study:

@@ -13,9 +13,10 @@ from explicable.model.plan import format_action, read_plan
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
 from explicable.pddl import read_team_problem
-from explicable.study.config import Condition, Study, Task, read_study, resolve, study_hash
+from explicable.study.config import FILE, Condition, Study, Task, read_study, resolve, study_hash
 from explicable.study.game import Game, play_by_commands, replay
-from explicable.study.pictures import MapPictures
+from explicable.study.pictures import MapPictures, Pictures
+from explicable.study.places import place_pictures
 from explicable.study.sentences import Wording
 from explicable.study.teaming import LabelledPlanner, Teaming
 from explicable.study.words import Language, language
@@ -33,7 +34,7 @@ class Material:
     problem: TeamProblem
     game: Game
     wording: Wording
-    pictures: MapPictures | None
+    pictures: Pictures | None
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ class Materials:
         else:
             game = Game(setting, condition.ask, play_by_commands(setting, condition.mode))
         wording = Wording(domain, self.study.sentences, self.study.facts)
-        pictures = MapPictures(world) if world else None
+        pictures = self._pictures(task, world, setting)
         if pictures is not None:
             translate = self.language.text
             wording = replace(
@@ -113,12 +114,30 @@ class Materials:
         wording.check()
         return Material(task, condition, setting.problem, game, wording, pictures)
 
+    def _pictures(self, task: Task, world: World | None, setting: Setting) -> Pictures | None:
+        """Return the renderer that the task names; of a map it need not name any."""
+        renderer = task.picture or ("first-response" if world else "none")
+        if renderer == "first-response" and world:
+            return MapPictures(world)
+        if renderer == "none":
+            return None
+        inside = {name: _arguments(text) for name, text in self.study.places.items()}
+        truth, mental = setting.truth.task, setting.problem.mental.init
+        pictures = place_pictures([*map(truth.fact, range(truth.num_facts)), *mental], inside)
+        if not pictures.places:
+            named = ", ".join(inside)
+            message = (
+                f"task {task.name!r}: nothing is anywhere by the predicates {named}; name others in [places]"
+            )
+            raise InputError(message, path=self.folder / FILE)
+        return pictures
+
     def _setting(self, task: Task, world: World | None, condition: Condition) -> Setting:
-        semantics = condition.semantics if world else ""
+        semantics = condition.semantics if world and not task.domain else ""
         names = (task.map, task.domain, task.problem, task.human_domain, task.human_problem)
         key = (semantics, *(name or "" for name in names))
         if key not in self._settings:
-            if world:
+            if world and not task.domain:
                 problem = encode(world, condition.semantics)
             else:
                 files = [resolve(self.folder, name) if name else None for name in names[1:]]
@@ -142,6 +161,12 @@ class Materials:
                 raise PlanError(f"{message} (task {task.name!r})", path=path)
             state = setting.truth.task.successor(state, operator)
         return plan
+
+
+def _arguments(text: str) -> tuple[int, int]:
+    """Read which argument is in which other, such as ``1 in 2``."""
+    thing, place = text.split(" in ")
+    return int(thing), int(place)
 
 
 def read_materials(folder: str | Path) -> Materials:

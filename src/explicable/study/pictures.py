@@ -1,7 +1,8 @@
-"""What people see of a task: the package's own pictures, and words for its objects."""
+"""What people see of a task: pictures by the renderer that the study names, and words for its objects."""
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Protocol
 
 from explicable.first_response.encoding import robot_name
 from explicable.first_response.rendering import room_letters
@@ -19,7 +20,7 @@ class Scene:
     Parameters
     ----------
     facts
-        The true atoms.
+        The true atoms; where the picture does not show all changes, the atoms as the person has them.
     target
         The last command that stands, if any.
     step, announced
@@ -32,11 +33,42 @@ class Scene:
     announced: GroundAtom | None = None
 
 
+class Pictures(Protocol):
+    """A renderer, ready for one task.
+
+    Attributes
+    ----------
+    shows_changes
+        Whether the pictures show all that a step changes, so that words need not.
+    title
+        The pictures' accessible name, in English.
+    """
+
+    @property
+    def shows_changes(self) -> bool: ...  # noqa: D102 (above)
+    @property
+    def title(self) -> str: ...  # noqa: D102 (above)
+
+    def draw(self, scene: Scene, title: str) -> str:
+        """Draw a state as SVG, as the person sees it."""
+        ...
+
+    def names(self, translate: Translate) -> Mapping[str, str]:
+        """Return what the objects are called, where not by their own names."""
+        ...
+
+    def sentences(self, translate: Translate) -> Mapping[str, str]:
+        """Return templates of the domain's steps, as far as there are any."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class MapPictures:
     """The renderer of first-response maps."""
 
     world: World
+    shows_changes: bool = field(default=True, init=False)
+    title: str = field(default="Floor plan", init=False)
 
     def draw(self, scene: Scene, title: str) -> str:
         """Draw a state as SVG, as the person sees it."""

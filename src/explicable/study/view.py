@@ -9,7 +9,7 @@ from explicable.model.problem import GroundAtom
 from explicable.study.conduct import Standing
 from explicable.study.game import Moment
 from explicable.study.materials import Material
-from explicable.study.pictures import Scene
+from explicable.study.pictures import Scene, Translate
 from explicable.study.sentences import changed
 from explicable.study.words import Language
 
@@ -84,20 +84,20 @@ def view_of(standing: Standing, language: Language) -> View:
         number=len(moment.steps),
         phase=phase_of(material, moment),
         is_replay=game.length is not None,
-        picture=_picture(material, moment, request.action if request else None, translate("Floor plan")),
+        picture=_picture(material, moment, request.action if request else None, translate),
         sentence=sentence,
         announced=announced,
         became_true=[wording.fact(atom) for atom in true],
         became_false=[wording.fact(atom) for atom in false],
-        commands=_commands(material, moment, request.action if request else None),
+        commands=commands_of(material, moment, request.action if request else None),
         wait_s=condition.step_s if request or game.length is not None else condition.idle_step_s,
         task=material.task.name if is_simulated else None,
         condition=condition.name if is_simulated else None,
-        operator=_operator(moment) if is_simulated else None,
+        operator=operator_of(moment) if is_simulated else None,
     )
 
 
-def _operator(moment: Moment) -> str | None:
+def operator_of(moment: Moment) -> str | None:
     """Return the step announced, or else the last one."""
     if moment.announced:
         return format_action(moment.announced)
@@ -116,7 +116,7 @@ def phase_of(material: Material, moment: Moment) -> Phase:
 
 def _changes(material: Material, moment: Moment) -> tuple[list[GroundAtom], list[GroundAtom]]:
     """Return what the last step changed, where no picture shows it."""
-    if material.pictures is not None or not moment.steps:
+    if (material.pictures is not None and material.pictures.shows_changes) or not moment.steps:
         return [], []
     before = _facts(material, Moment(moment.steps[:-1]))
     return changed(before, _facts(material, moment))
@@ -128,15 +128,24 @@ def _facts(material: Material, moment: Moment) -> frozenset[GroundAtom]:
     return frozenset(atom for atom in atoms if " " not in atom[0])  # without the stage's own switches
 
 
-def _picture(material: Material, moment: Moment, target: GroundAtom | None, title: str) -> str | None:
+def _believed(material: Material, moment: Moment) -> frozenset[GroundAtom]:
+    """Return the facts as the person has them: believed at the start, then changed as the steps did."""
+    start, now = _facts(material, Moment()), _facts(material, moment)
+    return frozenset(material.problem.mental.init) - (start - now) | (now - start)
+
+
+def _picture(
+    material: Material, moment: Moment, target: GroundAtom | None, translate: Translate
+) -> str | None:
     if material.pictures is None:
         return None
     last = moment.steps[-1].action if moment.steps else None
-    scene = Scene(_facts(material, moment), target, last, moment.announced)
-    return material.pictures.draw(scene, title)
+    facts = _facts(material, moment) if material.pictures.shows_changes else _believed(material, moment)
+    scene = Scene(facts, target, last, moment.announced)
+    return material.pictures.draw(scene, translate(material.pictures.title))
 
 
-def _commands(material: Material, moment: Moment, present: GroundAtom | None) -> list[CommandView]:
+def commands_of(material: Material, moment: Moment, present: GroundAtom | None) -> list[CommandView]:
     """List everything that can ever be commanded, so that the buttons keep their places."""
     game = material.game
     if game.length is not None:
