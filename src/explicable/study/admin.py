@@ -14,6 +14,7 @@ from fastapi import APIRouter, HTTPException, Request
 from fastapi.responses import RedirectResponse, Response, StreamingResponse
 
 from explicable.study import editor
+from explicable.study.enrolment import free_places
 from explicable.study.folder import read_setting
 from explicable.study.forms import read_form
 from explicable.study.ledger import OPEN_STAGES
@@ -84,6 +85,7 @@ def routes(server: "Server", tries: Limiter) -> APIRouter:
         owner = await require(request)
         origin = "simulated" if request.query_params.get("origin") == "simulated" else "person"
         now = time.time()
+        await server.write(lambda tx: free_places(materials, tx, now))
         summary = await server.read(lambda tx: summarise(tx, materials, origin))
         live = await server.read(lambda tx: live_sessions(tx, now - LIVE_S, OPEN_STAGES))
         return pages.admin(

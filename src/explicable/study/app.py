@@ -24,7 +24,7 @@ from explicable.study.forms import read_form
 from explicable.study.ledger import Request
 from explicable.study.pages import Pages
 from explicable.study.protocol import ConflictError
-from explicable.study.recruitment import Recruit, read_parameters
+from explicable.study.recruitment import Recruit, is_preview, read_parameters
 from explicable.study.security import SESSION_COOKIE, Guard, Keys, Limiter
 from explicable.study.server import Server
 from explicable.study.store import Store, Transaction
@@ -167,6 +167,8 @@ def _page_routes(server: Server) -> APIRouter:
     @routes.get("/")
     async def welcome(request: HTTPRequest) -> Response:
         session = keys.read("session", request.cookies.get(SESSION_COOKIE))
+        if is_preview(study.recruitment.platform, request.query_params):
+            return pages.preview()
         recruit = read_parameters(study.recruitment.platform, request.query_params)
         if isinstance(session, str) and not recruit.values and "simulated" not in request.query_params:
             return RedirectResponse("/session", 303)

@@ -109,8 +109,8 @@ def free_places(materials: Materials, tx: Transaction, now: float) -> int:
     silent = tx.silent_since(now - 60 * materials.study.time_limit_min, OPEN_STAGES)
     for session in silent:
         row = tx.lock_session(session, "")
-        if row is None:
-            continue
+        if row is None or row.stage not in OPEN_STAGES:
+            continue  # somebody else has freed it meanwhile
         stage = advance(Stage(row.stage), Event.TIMED_OUT)
         free_tasks(tx, session)
         request = Request(f"timed-out-{secrets.token_hex(8)}", now)

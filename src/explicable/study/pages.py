@@ -69,6 +69,10 @@ class Pages:
         ticket = {"request": secrets.token_hex(16), "recruit": recruit, "simulated": simulated}
         return self.page("consent.html", text=self._text("consent"), ticket=self.keys.sign("ticket", ticket))
 
+    def preview(self) -> Response:
+        """Show what people are asked to consent to, before they have accepted the task on their platform."""
+        return self.page("consent.html", text=self._text("consent"), ticket=None)
+
     def declined(self) -> Response:
         """Thank somebody who does not want to take part, of whom nothing is stored."""
         return self._message("Thank you", "You have chosen not to take part. Nothing has been stored.")

@@ -61,6 +61,17 @@ def read_parameters(platform: str, query: Mapping[str, str]) -> Recruit:
     return Recruit(platform, values)
 
 
+def is_preview(platform: str, query: Mapping[str, str]) -> bool:
+    """Tell whether somebody only looks at a task of Mechanical Turk that they have not accepted yet.
+
+    Examples
+    --------
+    >>> is_preview("mturk", {"assignmentId": "ASSIGNMENT_ID_NOT_AVAILABLE"})
+    True
+    """
+    return platform == "mturk" and query.get("assignmentId") == _MTURK_PREVIEW
+
+
 def link_template(platform: str, link: str) -> str:
     """Return the link to give to a platform, which fills in its parameters.
 

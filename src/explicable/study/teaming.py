@@ -99,6 +99,7 @@ class Teaming:
             if len(self._plans) >= _MOST_PLANS:
                 self._plans.clear()
             self._plans[actions] = plan
+            return plan
         return self._plans[actions]
 
     def _planned(self, state: "State", actions: Actions, request: "Request | None") -> Actions:
