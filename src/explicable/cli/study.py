@@ -6,7 +6,9 @@ from typing import Literal
 
 import click
 
-from explicable.cli.files import FiniteRange
+from explicable.cli.files import FiniteRange, warn
+from explicable.cli.power import power
+from explicable.cli.simulate import find_family
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
 STUDY = click.Path(exists=True, file_okay=False, path_type=Path)
@@ -27,6 +29,14 @@ def study() -> None:
         raise click.UsageError(
             f"the study needs packages of its own ({error.name}): pip install 'explicable[study]'"
         ) from error
+
+
+def _warn(folder: Path) -> None:
+    """Say what is allowed in a study, but hardly meant."""
+    from explicable.study.config import read_study
+
+    for warning in read_study(folder).warnings:
+        warn(warning)
 
 
 @study.command()
@@ -64,6 +74,7 @@ def serve(
     """Run the study in DIR until Ctrl-C; what has been acknowledged is never lost."""
     from explicable.study.serving import Server
 
+    _warn(folder)
     server = Server(
         folder,
         host=host,
@@ -110,16 +121,11 @@ def simulate(
     """
     import contextlib
 
-    from explicable.execution import builtin_families
     from explicable.study.folder import open_study
     from explicable.study.serving import Server
     from explicable.study.simulation import Simulation
 
-    families = builtin_families()
-    if family not in families:
-        raise click.UsageError(
-            f"no family of participants is called {family!r}: choose {', '.join(families)}"
-        )
+    kind = find_family(family, None)
     with contextlib.ExitStack() as stack:
         if url is None:
             server = Server(folder, port=0, database=database, trusts_floods=True)
@@ -127,7 +133,7 @@ def simulate(
                 click.echo(f"the researcher's password: {server.announcement.new_password}", err=True)
             url = stack.enter_context(server.in_background())
         opened = stack.enter_context(open_study(folder, database))
-        simulation = Simulation(url, opened.materials, opened.keys, families[family], seed, pace)
+        simulation = Simulation(url, opened.materials, opened.keys, kind, seed, pace)
         tally = simulation.run(num, at_once=at_once)
     times = sorted(tally.answer_s)
     summary = {
@@ -172,10 +178,14 @@ def export(folder: Path, output: Path, database: str | None) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def status(folder: Path, database: str | None, as_json: bool) -> None:
     """Say how far the study in DIR has come: people and simulated participants apart."""
+    import time
+
+    from explicable.study.enrolment import free_places
     from explicable.study.folder import open_study
     from explicable.study.summary import summarise
 
     with open_study(folder, database) as opened:
+        opened.store.write(lambda tx: free_places(opened.materials, tx, time.time()))
         found = {
             origin: opened.store.read(lambda tx, origin=origin: summarise(tx, opened.materials, origin))  # type: ignore[misc]
             for origin in ("person", "simulated")
@@ -223,3 +233,6 @@ def forget(folder: Path, participant: str, database: str | None, yes: bool) -> i
         rows = opened.store.write(lambda tx: erase(tx, participant, time.time()))
     click.echo(f"{participant}: {rows} rows erased")
     return 0
+
+
+study.add_command(power)

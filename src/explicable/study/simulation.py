@@ -19,9 +19,12 @@ import numpy as np
 from explicable.errors import InputError
 from explicable.execution import Family, Participant, SimulatedPerson
 from explicable.execution import Game as Watched
+from explicable.labelling import LabelledStep
 from explicable.model.plan import format_action, parse_action
+from explicable.study.game import Moment
 from explicable.study.materials import Material, Materials
 from explicable.study.security import Keys
+from explicable.study.view import commands_of, operator_of, phase_of
 
 if TYPE_CHECKING:
     from explicable.model.problem import GroundAtom
@@ -46,6 +49,8 @@ class Tally:
     ----------
     num_finished, num_refused
         How many got to the end, and how many found no place.
+    num_resent
+        Requests that were sent again because nobody answered, or the server could not then.
     labels
         Every label that the server acknowledged: session, task's position, steps taken, label.
     answer_s
@@ -54,6 +59,7 @@ class Tally:
 
     num_finished: int = 0
     num_refused: int = 0
+    num_resent: int = 0
     labels: list[tuple[str, int, int, bool]] = field(default_factory=list)
     answer_s: list[float] = field(default_factory=list)
 
@@ -186,7 +192,8 @@ class _Visit:
     ) -> httpx2.Response:
         """Send a request, again and again as it is while nobody answers."""
         problem = "no answer"
-        for _ in range(_MAX_TRIES):
+        for attempt in range(_MAX_TRIES):
+            self.tally.num_resent += attempt > 0
             try:
                 response = await self.client.request(method, path, **options)
             except httpx2.TransportError as error:
@@ -199,6 +206,33 @@ class _Visit:
                     break
             await asyncio.sleep(_RETRY_S)
         raise InputError(f"{method} {path}: {problem}", path=self.simulation.link)
+
+
+def rehearse(
+    material: Material, participant: Participant, rng: np.random.Generator
+) -> tuple[LabelledStep, ...]:
+    """Let a participant play or watch a task without a server; return the steps with the labels."""
+    game, eye, moment = material.game, _Eye(material, participant, rng), Moment()
+    while not game.is_over(moment):
+        request = game.request(moment)
+        path, body = eye.decide(
+            {
+                "phase": phase_of(material, moment),
+                "number": len(moment.steps),
+                "operator": operator_of(moment),
+                "commands": [
+                    command.model_dump()
+                    for command in commands_of(material, moment, request.action if request else None)
+                ],
+            }
+        )
+        if path == "/api/answer":
+            moment = game.answer(moment, explicable=body["explicable"])
+        elif path == "/api/command":
+            moment = game.command(moment, parse_action(body["operator"]))
+        else:
+            moment = game.step(moment)
+    return moment.steps
 
 
 class _Eye:
