@@ -17,10 +17,10 @@ import time
 from pathlib import Path
 
 TESTS = Path(__file__).parents[1] / "tests"
-sys.path[:0] = [str(TESTS), str(TESTS / "study")]
+sys.path += [str(TESTS), str(TESTS / "study")]
 
-from endurance import endure
-from servers import Postgres
+from endurance import endure  # noqa: E402 (found only now)
+from servers import Postgres  # noqa: E402 (the same)
 
 RECORDS = Path(__file__).parent / "records" / "study_kills.jsonl"
 AT_ONCE = 20
