@@ -1,12 +1,14 @@
 """Robot and simulated participant in closed loop: the strategies side by side, latency, and rate.
 
-Run ``python benchmarks/closed_loop.py``; it keeps one JSON line a game in ``--records`` and makes
-docs/closed-loop.md of them. With ``--page-only`` it makes the page of the records that there are. Times are
-CPU seconds of one core. The labeller learns from 34 simulated traces of the built-in training maps, all of
-the family *myopic*; the maps of the games have seeds of their own.
+Run ``python benchmarks/closed_loop.py``; it keeps one JSON line a game in benchmarks/records/closed-loop, a
+file for each experiment, and makes docs/closed-loop.md of them. With ``--only NAME`` the other records stay
+as they are, with ``--page-only`` all do. Times are CPU seconds of one core. The labeller learns from 34
+simulated traces of the built-in training maps, all of the family
+*myopic*; the maps of the games have seeds of their own.
 """
 
 import json
+import lzma
 import os
 import platform
 import time
@@ -20,14 +22,17 @@ import numpy as np
 
 from explicable.evaluation.statistics import Counts, Estimate, estimate, estimate_ratio
 from explicable.evaluation.strategies import play, strategies
-from explicable.execution import Ending, SimulatedPerson, builtin_families, prepare, simulate_study
+from explicable.execution import Ending, Run, SimulatedPerson, builtin_families, prepare, simulate_study
 from explicable.first_response import builtin_maps, encode, generate
 from explicable.labelling import Labeller
 from explicable.model.files import write_whole
 
 ROOT = Path(__file__).parents[1]
+RECORDS = ROOT / "benchmarks" / "records" / "closed-loop"
 NUM_PARTICIPANTS = 20
 """Of each family; they take turns on the maps."""
+RATE = "games a second"
+NUM_WARM = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,16 +68,16 @@ class Experiment:
 
 
 def experiments(num_maps: int, num_games: int, num_large: int) -> Iterator[Experiment]:
-    """All of them; participants on a mission need exact costs of whole missions, too dear on large maps."""
-    every, few = ("myopic", "mission", "boltzmann"), ("myopic", "boltzmann")
+    """All of them."""
+    every = ("myopic", "mission", "boltzmann")
     compared = ("follower", "nearest", "ff", "explicable", "learning", "oracle")
     for semantics in ("persistent", "exclusive"):
         seeds = range(70_000, 70_000 + num_maps)
         yield Experiment(f"strategies, {semantics}", 6, 4, semantics, seeds, every, compared)
     seeds = range(80_000, 80_000 + (num_games + 2) // 3)
     yield Experiment("replanning, 6x6", 6, 4, "persistent", seeds, every, ("explicable",))
-    seeds = range(90_000, 90_000 + (num_large + 1) // 2)
-    yield Experiment("replanning, 30x30", 30, 8, "persistent", seeds, few, ("explicable",))
+    seeds = range(90_000, 90_000 + (num_large + 2) // 3)
+    yield Experiment("replanning, 30x30", 30, 8, "persistent", seeds, every, ("explicable",))
 
 
 def games(experiment: Experiment, labeller: Labeller) -> Iterator[Game]:
@@ -94,51 +99,41 @@ def games(experiment: Experiment, labeller: Labeller) -> Iterator[Game]:
                 began = time.process_time()
                 played = play(made[name], setting, person, clock=time.process_time)
                 total_s = time.process_time() - began
-                labels = [step.label for step in played.episode.trace.steps if step.label is not None]
-                yield Game(
-                    experiment.name,
-                    name,
-                    family,
-                    seed,
-                    number,
-                    played.episode.ending.value,
-                    len(played.episode.trace.steps),
-                    len(labels),
-                    labels.count(False),
-                    played.num_deviations,
-                    played.num_changes,
-                    played.planning_s,
-                    total_s,
-                )
+                yield _game(experiment.name, name, family, seed, number, played, total_s)
 
 
-def rate(num_games: int) -> Iterator[Game]:
-    """Play again and again on one map, with a robot that follows: the loop and the participant alone."""
+def _game(
+    experiment: str, strategy: str, family: str, seed: int, number: int, played: Run, total_s: float
+) -> Game:
+    labels = [step.label for step in played.episode.trace.steps if step.label is not None]
+    return Game(
+        experiment,
+        strategy,
+        family,
+        seed,
+        number,
+        played.episode.ending.value,
+        len(played.episode.trace.steps),
+        len(labels),
+        labels.count(False),
+        played.num_deviations,
+        played.num_changes,
+        tuple(round(plan_s, 6) for plan_s in played.planning_s),
+        round(total_s, 6),
+    )
+
+
+def rate(num_games: int, name: str) -> Iterator[Game]:
+    """Play again and again on one map: what a game takes, the robot's planning included."""
     setting = prepare(encode(generate(np.random.default_rng(60_001)), "exclusive"))
-    made = strategies(Labeller.train(_traces("exclusive"), num_bootstrap=0))["nearest"]
+    strategy = strategies(Labeller.train(_traces("exclusive"), num_bootstrap=0))[name]
     for seed in range(num_games):
         number = seed % NUM_PARTICIPANTS
         participant = builtin_families()["myopic"].draw(number, np.random.default_rng((1, number)))
         person = SimulatedPerson(setting, participant, np.random.default_rng((2, seed)))
         began = time.process_time()
-        played = play(made, setting, person)
-        total_s = time.process_time() - began
-        steps, ending = len(played.episode.trace.steps), played.episode.ending.value
-        yield Game(
-            "rate",
-            "nearest",
-            "myopic",
-            60_001,
-            number,
-            ending,
-            steps,
-            steps,
-            0,
-            0,
-            0,
-            played.planning_s,
-            total_s,
-        )
+        played = play(strategy, setting, person, clock=time.process_time)
+        yield _game(RATE, name, "myopic", 60_001, number, played, time.process_time() - began)
 
 
 def _traces(semantics: str) -> list:
@@ -149,19 +144,47 @@ def _traces(semantics: str) -> list:
     ]
 
 
-def read(path: Path) -> tuple[dict, list[Game]]:
-    """Read header and games."""
-    header, *lines = map(json.loads, path.read_text().splitlines())
-    return header, [Game(**{**line, "plans_s": tuple(line["plans_s"])}) for line in lines]
+def read(folder: Path) -> tuple[list[dict], list[Game]]:
+    """Read headers and games of all experiments."""
+    headers, found = [], []
+    for path in sorted(folder.glob("*.jsonl.xz")):
+        with lzma.open(path, "rt", encoding="utf-8") as file:
+            header, *lines = map(json.loads, file)
+        headers.append(header)
+        found += [Game(**{**line, "plans_s": tuple(line["plans_s"])}) for line in lines]
+    return headers, found
 
 
-def page(header: dict, found: list[Game]) -> Iterator[str]:
+def write(folder: Path, name: str, played: Iterator[Game]) -> None:
+    """Write the games of one experiment as they end; the file takes its name after the last."""
+    header = {
+        "experiment": name,
+        "when": datetime.now(UTC).isoformat(timespec="minutes"),
+        "machine": f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}",
+        "load": os.getloadavg()[0],
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{name.replace(', ', '-')}.jsonl.xz"
+    aside = path.with_suffix(".part")
+    with lzma.open(aside, "wt", encoding="utf-8") as file:
+        for line in (header, *map(asdict, played)):
+            file.write(json.dumps(line) + "\n")
+    aside.replace(path)
+    click.echo(name, err=True)
+
+
+def page(headers: list[dict], found: list[Game]) -> Iterator[str]:
     """Make the page."""
     yield "# Closed loop: robot and simulated participants\n"
     yield "Made by `python benchmarks/closed_loop.py` from recorded games; don't edit by hand."
     yield "Nobody here is a person: participants are simulated, and what they find inexplicable is what their"
     yield "rule says. The labeller learnt from 34 traces of simulated *myopic* participants on other maps."
-    yield f"{header['when']}; {header['machine']}; load {header['load']:.1f}; CPU seconds of one core.\n"
+    yield "Times are CPU seconds of one core."
+    yield "Records: [benchmarks/records/closed-loop](../benchmarks/records/closed-loop).\n"
+    yield _row("experiment", "played", "machine", "load")
+    yield _row("---", "---", "---", "---:")
+    for header in headers:
+        yield _row(header["experiment"], header["when"], header["machine"], f"{header['load']:.1f}")
     for experiment in dict.fromkeys(game.experiment for game in found):
         rows = [game for game in found if game.experiment == experiment]
         if experiment.startswith("strategies"):
@@ -244,10 +267,18 @@ def _latency(found: list[Game]) -> Iterator[str]:
             verdict = "reached" if figures[1] <= aim else "**missed**"
             shown = [f"{figure:.1f}" for figure in figures]
             yield _row(name, len(rows), replans.size, *shown, f"{aim} at the 99th: {verdict}")
-    warm = [game.total_s for game in found if game.experiment == "rate"][100:]
-    if warm:
-        yield f"\nGames a second on a 6x6 map, warm, without rendering: {1 / np.mean(warm):.0f}"
-        yield f"(n = {len(warm)}; to reach: 200)."
+    rates = [game for game in found if game.experiment == RATE]
+    if rates:
+        yield "\nGames a second on one 6x6 map, planning included, without rendering, after"
+        yield f"{NUM_WARM} games that don't count (to reach: 200):\n"
+        yield _row("strategy", "games", "games a second", "without planning", "")
+        yield _row("---", *["---:"] * 3, "---")
+    for name in dict.fromkeys(game.strategy for game in rates):
+        warm = [game for game in rates if game.strategy == name][NUM_WARM:]
+        whole = len(warm) / sum(game.total_s for game in warm)
+        rest = len(warm) / sum(game.total_s - sum(game.plans_s) for game in warm)
+        verdict = "reached" if whole >= 200 else "**missed**"
+        yield _row(name, len(warm), f"{whole:.0f}", f"{rest:.0f}", verdict)
 
 
 @click.command()
@@ -255,31 +286,20 @@ def _latency(found: list[Game]) -> Iterator[str]:
 @click.option(
     "--games", "num_games", default=1000, show_default=True, help="Games for the latency on 6x6 maps."
 )
-@click.option("--large", default=40, show_default=True, help="Games for the latency on 30x30 maps.")
-@click.option(
-    "--records", type=click.Path(path_type=Path), default=ROOT / "build" / "benchmarks" / "closed-loop.jsonl"
-)
+@click.option("--large", default=1000, show_default=True, help="Games for the latency on 30x30 maps.")
+@click.option("--only", multiple=True, metavar="NAME", help="Play this experiment alone; may be repeated.")
 @click.option("--page-only", is_flag=True, help="Only make the page of the records.")
-def main(maps: int, num_games: int, large: int, records: Path, page_only: bool) -> None:
+def main(maps: int, num_games: int, large: int, only: tuple[str, ...], page_only: bool) -> None:
     """Play all games, keep the records, make the page."""
     if not page_only:
-        records.parent.mkdir(parents=True, exist_ok=True)
-        header = {
-            "when": datetime.now(UTC).isoformat(timespec="minutes"),
-            "machine": f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}",
-            "load": os.getloadavg()[0],
-        }
-        with records.open("w") as file:
-            file.write(json.dumps(header) + "\n")
-            for experiment in experiments(maps, num_games, large):
+        for experiment in experiments(maps, num_games, large):
+            if not only or experiment.name in only:
                 labeller = Labeller.train(_traces(experiment.semantics), num_bootstrap=0)
-                for game in games(experiment, labeller):
-                    file.write(json.dumps(asdict(game)) + "\n")
-                    file.flush()
-                click.echo(experiment.name, err=True)
-            for game in rate(600):
-                file.write(json.dumps(asdict(game)) + "\n")
-    write_whole(ROOT / "docs" / "closed-loop.md", "\n".join(page(*read(records))) + "\n")
+                write(RECORDS, experiment.name, games(experiment, labeller))
+        if not only or RATE in only:
+            names = strategies(Labeller.train(_traces("exclusive"), num_bootstrap=0))
+            write(RECORDS, RATE, (game for name in names for game in rate(500 + NUM_WARM, name)))
+    write_whole(ROOT / "docs" / "closed-loop.md", "\n".join(page(*read(RECORDS))) + "\n")
 
 
 if __name__ == "__main__":

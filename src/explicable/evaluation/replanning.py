@@ -24,6 +24,7 @@ from explicable.model.grounding import ground_team
 from explicable.model.problem import GroundAtom
 from explicable.model.requests import find_requests
 from explicable.model.task import Execution
+from explicable.model.team import TeamProblem
 from explicable.planning import HumanModel
 from explicable.search import Outcome, SearchResult, search
 
@@ -60,6 +61,19 @@ class Prices:
 USUAL_PRICES = Prices()
 
 
+class Grounding:
+    """Grounds a team problem once, for all planners that are asked about it one after the other."""
+
+    def __init__(self) -> None:
+        self._last: TeamFeatures | None = None
+
+    def __call__(self, problem: TeamProblem) -> TeamFeatures:
+        """Return the features of the steps of a problem's plans."""
+        if self._last is None or self._last.team.problem is not problem:
+            self._last = TeamFeatures(ground_team(problem))
+        return self._last
+
+
 class ExplicablePlanner:
     """The explicable joint plan; see the module for its objective.
 
@@ -82,6 +96,8 @@ class ExplicablePlanner:
     improve_s
         Seconds for the anytime search at most. Small tasks spend their budget long before. None: plans
         never depend on the machine.
+    grounding
+        Shared by planners whose games are on the same map.
     """
 
     def __init__(
@@ -93,20 +109,19 @@ class ExplicablePlanner:
         human_model: HumanModel | None = None,
         max_evaluations: int = 500,
         improve_s: float | None = 0.1,
+        grounding: Grounding | None = None,
     ) -> None:
         self.labeller, self.prices = labeller, prices
         self.foresight, self.human_model = foresight, human_model
         self.max_evaluations, self.improve_s = max_evaluations, improve_s
+        self.grounding = grounding or Grounding()
         self._game: _LabelledGame | None = None
 
     def __call__(self, situation: Situation) -> Proposal:
         """Plan from here on."""
         game = self._game
-        if game is None or game.problem is not situation.problem:
-            features = TeamFeatures(ground_team(situation.problem))
-            game = self._game = _LabelledGame(features, self.labeller)
-        elif game.labeller is not self.labeller:
-            game = self._game = _LabelledGame(game.features, self.labeller)
+        if game is None or game.problem is not situation.problem or game.labeller is not self.labeller:
+            game = self._game = _LabelledGame(self.grounding(situation.problem), self.labeller)
         game.move_to(situation.past)
         first = self._search(game)
         if first.operators is None:
@@ -182,7 +197,6 @@ class LearningPlanner:
     ) -> None:
         self.planner, self.person, self.adapts = planner, person, adapts
         self._labeller = planner.labeller
-        self._features: TeamFeatures | None = None
         self._answers: dict[int, bool | None] = {}
         self._num_steps = 0
         planner.foresight = person
@@ -198,11 +212,10 @@ class LearningPlanner:
     def __call__(self, situation: Situation) -> Proposal:
         """Plan from here on."""
         if self.adapts and any(answer is not None for answer in self._answers.values()):
-            if self._features is None or self._features.team.problem is not situation.problem:
-                self._features = TeamFeatures(ground_team(situation.problem))
+            features = self.planner.grounding(situation.problem)
             since = self._num_steps - len(situation.past)
             answers = [self._answers.get(since + number) for number in range(len(situation.past))]
-            self.planner.labeller = adapt(self._labeller, self._features, situation.past, answers)
+            self.planner.labeller = adapt(self._labeller, features, situation.past, answers)
         return self.planner(situation)
 
 

@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from explicable.evaluation.oracle import OraclePlanner
-from explicable.evaluation.replanning import USUAL_PRICES, ExplicablePlanner, LearningPlanner, Prices
+from explicable.evaluation.replanning import (
+    USUAL_PRICES,
+    ExplicablePlanner,
+    Grounding,
+    LearningPlanner,
+    Prices,
+)
 from explicable.execution import (
     PersonFilter,
     Planner,
@@ -37,6 +43,7 @@ def strategies(labeller: Labeller, prices: Prices = USUAL_PRICES) -> dict[str, S
     ``follower``: a shortest way to what was last asked for; ``nearest``: without a request it heads for what
     can be had soonest; ``ff``: the joint plan of FF; ``explicable``: the explicable joint plan; ``learning``:
     the same, learning the person while working; ``oracle``: knows what the participant will hold against it.
+    What depends on the map alone is made once for all games on it that follow one another.
 
     Examples
     --------
@@ -45,12 +52,19 @@ def strategies(labeller: Labeller, prices: Prices = USUAL_PRICES) -> dict[str, S
     >>> list(strategies(Labeller(nothing_known)))
     ['follower', 'nearest', 'ff', 'explicable', 'learning', 'oracle']
     """
+    grounding = Grounding()
+    classical, explicable = ClassicalPlanner(), ExplicablePlanner(labeller, prices, grounding=grounding)
+
+    def learning(setting: Setting, person: SimulatedPerson) -> LearningPlanner:
+        planner = ExplicablePlanner(labeller, prices, grounding=grounding)
+        return LearningPlanner(planner, _guesses(setting, person))
+
     return {
         "follower": lambda _setting, _person: follow,
         "nearest": lambda setting, _person: NearestPlanner(setting),
-        "ff": lambda _setting, _person: ClassicalPlanner(),
-        "explicable": lambda _setting, _person: ExplicablePlanner(labeller, prices),
-        "learning": lambda setting, person: _learning(labeller, prices, setting, person),
+        "ff": lambda _setting, _person: classical,
+        "explicable": lambda _setting, _person: explicable,
+        "learning": learning,
         "oracle": lambda setting, person: OraclePlanner(setting, person, prices.alpha),
     }
 
@@ -63,13 +77,10 @@ def play(strategy: Strategy, setting: Setting, person: SimulatedPerson, **option
     return run(setting, planner, person, **options)
 
 
-def _learning(
-    labeller: Labeller, prices: Prices, setting: Setting, person: SimulatedPerson
-) -> LearningPlanner:
-    """Return a learning planner whose guesses come from all families but the person's own."""
+def _guesses(setting: Setting, person: SimulatedPerson) -> PersonFilter:
+    """Return a filter whose guesses come from all families but the person's own."""
     others = [family for family in builtin_families().values() if f"-{family.name}-" not in person.name]
-    guesses = PersonFilter(setting, others, np.random.default_rng(0))
-    return LearningPlanner(ExplicablePlanner(labeller, prices), guesses)
+    return PersonFilter(setting, others, np.random.default_rng(0))
 
 
 def follow(situation: Situation) -> Proposal:  # noqa: ARG001 (a planner's signature)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from explicable.errors import ResourceError
 from explicable.execution.stage import Stage
@@ -185,12 +185,17 @@ class Outlook:
             self._known.setdefault((states.pop(), goal), (remaining, operator))
 
     def _search(self, state: State, goal: Goal) -> SearchResult:
-        if goal != self.task.goal:  # a request mostly needs one thing: h_max is as good, and cheaper
-            return search(self.task, "astar", initial_state=state, goal=goal, heuristic="hmax")
-        # A mission mostly lies in many places: then a shortest tour of them says almost all there is to say.
+        # Most goals lie in one place or in several: a shortest tour of these says almost all there is to say.
         result = search(
-            self.task, "astar", initial_state=state, heuristic="tour", max_evaluations=_TOUR_EVALUATIONS
+            self.task,
+            "astar",
+            initial_state=state,
+            goal=goal,
+            heuristic="tour",
+            max_evaluations=_TOUR_EVALUATIONS,
         )
         if result.limit != "evaluations":
             return result
-        return search(self.task, "astar", initial_state=state, heuristic="lmcut")
+        # A request mostly needs one thing, for which h_max is as good as LM-cut and much cheaper.
+        heuristic: Literal["lmcut", "hmax"] = "lmcut" if goal == self.task.goal else "hmax"
+        return search(self.task, "astar", initial_state=state, goal=goal, heuristic=heuristic)
