@@ -8,6 +8,9 @@ from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.labeller import Labeller
 from explicable.model.grounding import ground_team
 
+PATIENCE_S = 600.0
+"""For searches that end by themselves: what is proved must not hang on how fast the machine is."""
+
 SCHEMAS = ("move", "remove-obstacle", "visit-room")
 
 # The short way to the room is blocked at x, which the person does not know.

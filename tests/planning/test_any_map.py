@@ -7,7 +7,7 @@ from explicable.errors import MapError
 from explicable.first_response import encode, parse_map, render
 from explicable.model.grounding import ground_team
 from explicable.planning import plan_classically, plan_explicably
-from planning.floors import judge_of_progress
+from planning.floors import PATIENCE_S, judge_of_progress
 
 
 def draw_map(rng, height, width, num_robots, num_marks):
@@ -54,8 +54,8 @@ def test_any_map_is_drawn_and_planned(size, semantics):
     world = draw_map(np.random.default_rng(size), *size)
     team = ground_team(encode(world, semantics))
     for found in (
-        plan_classically(team, time_limit_s=60),
-        plan_explicably(team, judge_of_progress(), time_limit_s=60, improve_s=0),
+        plan_classically(team, time_limit_s=PATIENCE_S),
+        plan_explicably(team, judge_of_progress(), time_limit_s=PATIENCE_S, improve_s=0),
     ):
         walk(world, found.plan.actions, semantics)
         assert render(world, view="robot", plan=found.plan.actions).startswith("<svg")

@@ -9,7 +9,7 @@ from explicable.model.grounding import ground_team
 from explicable.planning import plan_classically
 from explicable.planning.differences import FactDifference, find_differences
 from explicable.planning.explanation import Finding, explain, tell
-from planning.floors import DETOUR, command, floor, judge_of_progress, moves, visit
+from planning.floors import DETOUR, PATIENCE_S, command, floor, judge_of_progress, moves, visit
 from planning.test_differences import example
 
 LONG = [command(1, 3), *moves((1, 1), (2, 1), (2, 2), (2, 3), (1, 3)), visit(1, 3)]
@@ -43,7 +43,7 @@ def test_what_is_told_is_enough_and_no_smaller_set_is(make):
         plan = plan_classically(team).plan.actions
         labeller.schemas = tuple(schema.name for schema in team.problem.robot.domain.actions)
     differences = find_differences(team.problem)
-    for step in explain(team, labeller, plan, max_told=2, time_limit_s=300):
+    for step in explain(team, labeller, plan, max_told=2, time_limit_s=PATIENCE_S):
         if step.finding is Finding.EXPLAINED:
             now = labeller.label(tell(team, step.told), plan).probabilities[step.number - 1]
             assert now == step.probability_told >= 0.5

@@ -13,7 +13,7 @@ from explicable.labelling.features import TeamFeatures
 from explicable.labelling.situations import HUMAN_FEATURES
 from explicable.planning import HumanModel, plan_explicably
 from explicable.search import search
-from planning.floors import DETOUR, command, floor, judge_of_progress
+from planning.floors import DETOUR, PATIENCE_S, command, floor, judge_of_progress
 
 # Robot between two rooms: the near one lies in a dead end, so that the far one is best visited last or first.
 TWO_ROOMS = "#######\n#*..@*#\n#######\n"
@@ -51,7 +51,7 @@ def least_objective(task, scorer, alpha):
 
 @pytest.mark.parametrize("text", ["@*\n", "@.*\n", "*@*\n", "@*\n.o\n", "@x\n.*\n"])
 @pytest.mark.parametrize("semantics", ["persistent", "exclusive"])
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=4)
 @given(
     st.lists(st.floats(-2, 2), min_size=len(HUMAN_FEATURES), max_size=len(HUMAN_FEATURES)),
     st.sampled_from([(0.0, 1.0), (1.0, 0.3), (2.0, 1.0)]),
@@ -63,7 +63,7 @@ def test_the_least_charged_objective_is_found_and_proved(text, semantics, weight
     human_model = HumanModel(choice_model)
     scorer = labeller.scorer(team, choice_model=choice_model, charge=charge)
     result = plan_explicably(
-        team, labeller, alpha=alpha, human_model=human_model, human_step_weight=charge, improve_s=60
+        team, labeller, alpha=alpha, human_model=human_model, human_step_weight=charge, improve_s=PATIENCE_S
     )
     assert result.lower_bound == pytest.approx(result.objective)
     best = least_objective(team.task, scorer, alpha)
@@ -78,7 +78,7 @@ def test_convenient_orders_do_not_pay_if_they_are_charged_for():
     team, labeller = floor(DETOUR, "persistent"), judge_of_progress()
     free, charged = (
         plan_explicably(
-            team, labeller, alpha=5.0, human_model=NATURAL, human_step_weight=weight, improve_s=60
+            team, labeller, alpha=5.0, human_model=NATURAL, human_step_weight=weight, improve_s=PATIENCE_S
         )
         for weight in (0.0, 3.0)
     )
@@ -95,7 +95,7 @@ def test_convenient_orders_do_not_pay_if_they_are_charged_for():
 def test_orders_that_people_give_are_left_as_they_are():
     team, labeller = floor(TWO_ROOMS, "persistent"), judge_of_progress()
     result = plan_explicably(
-        team, labeller, alpha=5.0, human_model=NATURAL, human_step_weight=3.0, improve_s=60
+        team, labeller, alpha=5.0, human_model=NATURAL, human_step_weight=3.0, improve_s=PATIENCE_S
     )
     near, far = command(1, 5), command(1, 1)
     assert [action for action in result.plan.actions if action[0] == "command"] == [near, far]

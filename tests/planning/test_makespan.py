@@ -15,7 +15,7 @@ from explicable.planning.goal_orders import GoalOrders
 from explicable.planning.makespan import plan_schedule, schedule_plan
 from explicable.search import Outcome, search
 from oracles.random_problems import ProblemMaker
-from planning.floors import DETOUR, judge_of_progress
+from planning.floors import DETOUR, PATIENCE_S, judge_of_progress
 
 LENGTH = 3
 
@@ -56,7 +56,7 @@ def test_what_is_proved_is_the_least_makespan_of_all_plans(seed, strips):
     task = ground(problem.robot)
     team_task = TeamTask(problem, task, task)
     durations = Durations(schemas={agent.name: rng.choice([0.5, 1.0, 2.0]) for agent in problem.agents})
-    planned = plan_schedule(team_task, durations, time_limit_s=0.5, max_width=256)
+    planned = plan_schedule(team_task, durations, time_limit_s=PATIENCE_S, max_width=256)
     if planned.schedule is None:
         assert planned.outcome is Outcome.UNSOLVABLE
         assert planned.lower_bound == float("inf")
@@ -71,7 +71,9 @@ def test_what_is_proved_is_the_least_makespan_of_all_plans(seed, strips):
 def test_the_proof_succeeds_on_small_maps():
     """Two robots in two corridors: the rooms are searched at the same time."""
     problem = encode(World(("@..*", "####", "*..@")), "persistent", num_people=2)
-    planned = plan_schedule(ground_team(problem), Durations(schemas={"command": 0.5}))
+    planned = plan_schedule(
+        ground_team(problem), Durations(schemas={"command": 0.5}), time_limit_s=PATIENCE_S
+    )
     assert planned.is_optimal
     assert planned.schedule.makespan == 4.0
     assert {"r1", "r2"} <= set(planned.schedule.agents)
@@ -81,7 +83,7 @@ def test_the_proof_succeeds_on_small_maps():
 def test_two_robots_are_done_sooner_than_one_after_the_other(semantics):
     world = generate(np.random.default_rng(5), num_robots=2)
     team_task = ground_team(encode(world, semantics, num_people=2))
-    planned = plan_schedule(team_task, time_limit_s=60.0, max_width=16)
+    planned = plan_schedule(team_task, time_limit_s=PATIENCE_S, max_width=16)
     task = team_task.task
     assert task.is_goal(task.execute(planned.schedule.actions).states[-1])
     assert planned.lower_bound <= planned.schedule.makespan <= len(planned.schedule.steps)
@@ -111,7 +113,7 @@ def test_plans_made_goal_by_goal_reach_the_goal_and_share_the_work(semantics):
         for plan in plans:
             assert task.is_goal(task.execute(plan).states[-1])
         one_by_one = schedule_plan(team_task, tuple(map(task.action, search(task).operators)), durations)
-        planned = plan_schedule(team_task, durations, time_limit_s=60.0, max_width=4)
+        planned = plan_schedule(team_task, durations, time_limit_s=PATIENCE_S, max_width=4)
         least = min(schedule_plan(team_task, plan, durations).schedule.makespan for plan in plans)
         assert planned.schedule.makespan <= min(least, one_by_one.schedule.makespan)
 
@@ -124,13 +126,13 @@ def test_goals_that_are_no_atoms_or_a_single_robot_are_left_to_the_beams():
 def test_a_labeller_has_its_say_in_which_schedule_is_taken():
     problem = encode(parse_map(DETOUR))
     team_task, labeller = ground_team(problem), judge_of_progress()
-    planned = plan_schedule(team_task, labeller=labeller, alpha=2.0, time_limit_s=60.0, max_width=64)
+    planned = plan_schedule(team_task, labeller=labeller, alpha=2.0, time_limit_s=PATIENCE_S, max_width=64)
     assert planned.labelled.actions == planned.schedule.actions
     num_inexplicable = len(planned.schedule.steps) * (1.0 - planned.labelled.scores.f_expected)
     assert planned.objective == pytest.approx(planned.schedule.makespan + 2.0 * num_inexplicable)
     given = schedule_plan(team_task, planned.schedule.actions, labeller=labeller, alpha=2.0)
     assert given.objective == pytest.approx(planned.objective)
-    careless = plan_schedule(team_task, labeller=labeller, alpha=0.0, time_limit_s=60.0, max_width=64)
+    careless = plan_schedule(team_task, labeller=labeller, alpha=0.0, time_limit_s=PATIENCE_S, max_width=64)
     assert careless.schedule.makespan <= planned.schedule.makespan
     assert planned.objective <= careless.schedule.makespan + 2.0 * len(careless.schedule.steps) * (
         1.0 - careless.labelled.scores.f_expected

@@ -18,6 +18,7 @@ from explicable.planning import (
     rank,
 )
 from labelling.small_teams import courier
+from planning.floors import PATIENCE_S
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +44,7 @@ def test_all_four_are_in_the_team_and_in_the_traces(line):
 
 def test_the_whole_line(line):
     team, traces, labeller = line
-    planned = plan_explicably(team, labeller, alpha=2.0)
+    planned = plan_explicably(team, labeller, alpha=2.0, improve_s=PATIENCE_S)
     actions = planned.plan.actions
     assert team.task.is_goal(team.task.execute(actions).states[-1])
     assert all(step.agent == step.action[1] for step in planned.plan.steps)
@@ -64,10 +65,11 @@ def test_the_whole_line(line):
 
     explained = explain(team, labeller, actions)
     assert [step.action for step in explained] == list(actions)
-    corners = front(team, labeller, max_alpha=5.0)
+    corners = front(team, labeller, max_alpha=5.0, search_s=PATIENCE_S)
     assert all(corner.is_proved for corner in corners)
     assert min(corner.value(2.0) for corner in corners) == pytest.approx(planned.objective, abs=1e-5)
-    told = conform_or_explain(team, labeller, alpha=2.0, telling_cost=0.1)
+    patient = {"improve_s": PATIENCE_S, "time_limit_s": PATIENCE_S}
+    told = conform_or_explain(team, labeller, alpha=2.0, telling_cost=0.1, **patient)
     assert told.objective <= planned.objective + 1e-9
     ranked = rank(team, labeller, [actions, plan_classically(team).plan.actions], 2.0, human_model=people)
     assert ranked[0].objective == pytest.approx(planned.objective)

@@ -16,7 +16,7 @@ from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
 from explicable.planning import choose, front, plan_explicably, plan_within_budget
 from explicable.search import Outcome
-from planning.floors import SCHEMAS, floor, judge_of_progress
+from planning.floors import PATIENCE_S, SCHEMAS, floor, judge_of_progress
 from planning.test_differences import example
 
 # Two obstacles in the way: two more steps avoid the first, four more the second as well.
@@ -38,14 +38,14 @@ def maze():
 
 @pytest.fixture(scope="module")
 def plans(maze):
-    return front(*maze, max_alpha=20.0)
+    return front(*maze, max_alpha=20.0, search_s=PATIENCE_S)
 
 
 def test_at_every_alpha_the_front_holds_a_plan_of_least_objective(maze, plans):
     assert [found.plan.cost for found in plans] == [7, 9, 13]
     assert all(found.is_proved for found in plans)
     for alpha in (0.01, 0.3, 1.0, 2.5, 7.0, 19.0):
-        least = plan_explicably(*maze, alpha=alpha)
+        least = plan_explicably(*maze, alpha=alpha, improve_s=PATIENCE_S)
         assert least.lower_bound == pytest.approx(least.objective)
         values = [found.plan.cost + alpha * found.num_inexplicable for found in plans]
         assert min(values) == pytest.approx(least.objective, abs=1e-5)
@@ -83,7 +83,7 @@ def test_the_front_is_that_of_all_plans(text, strength, max_steps, num_corners):
     for operators in all_plans(team.task, max_steps):
         scores = labeller.label(team, [team.task.action(o) for o in operators]).scores
         points.add((len(operators), len(operators) * (1 - scores.f_expected)))
-    found = front(team, labeller, max_alpha=20.0, search_s=20.0)
+    found = front(team, labeller, max_alpha=20.0, search_s=PATIENCE_S)
     assert len(found) == num_corners
     assert all(corner.is_proved for corner in found)
     for alpha in (*(10 ** (k / 10) for k in range(-30, 13)), *(corner.alpha_from for corner in found[1:])):
@@ -118,7 +118,7 @@ def test_a_budget_chooses_from_the_front(plans):
 )
 def test_planning_within_a_budget_is_choosing_from_the_front(maze, plans, budget):
     chosen = choose(plans, **budget)
-    planned = plan_within_budget(*maze, max_alpha=20.0, **budget)
+    planned = plan_within_budget(*maze, max_alpha=20.0, search_s=PATIENCE_S, **budget)
     assert planned.plan.cost == chosen.plan.cost
     assert (planned.alpha, planned.objective) == (chosen.alpha_from, chosen.value(chosen.alpha_from))
     assert planned.lower_bound == planned.objective

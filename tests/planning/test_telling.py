@@ -2,18 +2,20 @@
 
 import itertools
 import math
+from types import SimpleNamespace
 
 import pytest
 
 from explicable.errors import UsageError
+from explicable.planning import telling
 from explicable.planning.differences import FactDifference, find_differences
 from explicable.planning.explanation import tell
 from explicable.planning.telling import conform_or_explain
 from explicable.search import Outcome
-from planning.floors import DETOUR, command, floor, judge_of_progress, moves, visit
+from planning.floors import DETOUR, PATIENCE_S, command, floor, judge_of_progress, moves, visit
 
 BLOCKED = FactDifference(("clear", "c-1-2"), holds=False)
-OPTIONS = {"alpha": 5.0, "improve_s": 30.0, "time_limit_s": 120.0}
+OPTIONS = {"alpha": 5.0, "improve_s": PATIENCE_S, "time_limit_s": PATIENCE_S}
 
 
 def least_objective(team, labeller, alpha, telling_cost, max_told):
@@ -87,8 +89,10 @@ def test_without_a_difference_or_a_plan_there_is_nothing_to_tell():
     assert (none.outcome, none.plan, none.objective, none.lines) == (Outcome.UNSOLVABLE, None, None, ())
 
 
-def test_out_of_time_the_best_so_far_is_given():
-    late = conform_or_explain(floor(DETOUR), judge_of_progress(), time_limit_s=0.5, improve_s=0.5, alpha=5.0)
+def test_out_of_time_the_best_so_far_is_given(monkeypatch):
+    clock = itertools.count(step=PATIENCE_S)  # at the second look at it the time is up
+    monkeypatch.setattr(telling, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    late = conform_or_explain(floor(DETOUR), judge_of_progress(), **OPTIONS)
     assert late.outcome is Outcome.SOLVED
     assert late.objective <= late.objective_untold
     assert late.plan.actions[0] == command(1, 3) or late.plan.actions[0] in moves((1, 1), (2, 1))
