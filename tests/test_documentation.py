@@ -21,7 +21,7 @@ def run_commands(text, page):
         assert program == "explicable", (
             f"{page}: commands to be typed at other programs go into a plain block"
         )
-        subprocess.run([sys.executable, "-m", "explicable", *arguments], check=True, timeout=300)
+        subprocess.run([sys.executable, "-m", "explicable", *arguments], check=True, timeout=1200)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

@@ -20,6 +20,8 @@ SHORT = [command(1, 3), *moves((1, 1), (1, 2), (1, 3)), visit(1, 3)]
 LONG = [command(1, 3), *moves((1, 1), (2, 1), (2, 2), (2, 3), (1, 3)), visit(1, 3)]
 LATE = [*LONG[1:-1], LONG[0], LONG[-1]]
 TEAM = ["domain.pddl", "problem.pddl"]
+SEARCHES = ["--search-time", "600"]  # they end by themselves: what is proved must not hang on the machine
+PLANS = ["--improve-time", "600"]
 HUMAN = ["--human-domain", "human-domain.pddl", "--human-problem", "human-problem.pddl"]
 
 
@@ -136,7 +138,7 @@ def test_explain_says_what_the_person_does_not_know(place):
 
 def test_tell_puts_what_to_tell_into_the_plan(place):
     cheap = ["--alpha", "20", "--telling-cost", "0.1"]
-    options = [*TEAM, *HUMAN, "--seed", "1"]
+    options = [*TEAM, *HUMAN, "--seed", "1", "--time-limit", "600"]
     done = explicable(place, "tell", "labeller.json", *exclusive(options), *cheap)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
@@ -155,7 +157,7 @@ def test_tell_puts_what_to_tell_into_the_plan(place):
 
 
 def test_human_steps_are_charged_by_what_people_do(place):
-    plan = ["plan", *TEAM, *HUMAN, "--labeller", "labeller.json", "--json"]
+    plan = ["plan", *TEAM, *HUMAN, "--labeller", "labeller.json", "--json", *PLANS]
     charged = ["--charge-human-steps", "1", "--people", "people.jsonl"]
     record = json.loads(explicable(place, *plan, *charged).stdout)
     assert 0 < record["f_human"] <= 1
@@ -196,7 +198,7 @@ def test_one_message_and_a_documented_exit_code(place, arguments, code, message)
 
 
 def test_front_lists_plans_and_chooses_by_budget(place, tmp_path):
-    options = ["--max-cost-increase", "50%", "-o", str(tmp_path / "front"), "--json"]
+    options = ["--max-cost-increase", "50%", *SEARCHES, "-o", str(tmp_path / "front"), "--json"]
     done = explicable(place, "front", "labeller.json", *TEAM, *HUMAN, *options)
     assert done.returncode == 0, done.stderr
     record = json.loads(done.stdout)
@@ -208,17 +210,16 @@ def test_front_lists_plans_and_chooses_by_budget(place, tmp_path):
     (row,) = (row for row in rows if row[-2] == "yes")
     lines = (tmp_path / "front" / row[-1]).read_text().splitlines()
     assert lines == [*chosen["plan"], f"; cost = {chosen['cost']}"]
-    text = explicable(place, "front", "labeller.json", *TEAM, *HUMAN)
+    text = explicable(place, "front", "labeller.json", *TEAM, *HUMAN, *SEARCHES)
     assert len(text.stdout.splitlines()) == 1 + len(record["plans"]) == len(rows)
-    planned = explicable(
-        place, "plan", *TEAM, *HUMAN, "--labeller", "labeller.json", "--max-cost-increase", "50%", "--json"
-    )
+    budget = ["--max-cost-increase", "50%", *PLANS]
+    planned = explicable(place, "plan", *TEAM, *HUMAN, "--labeller", "labeller.json", *budget, "--json")
     assert json.loads(planned.stdout)["plan"] == chosen["plan"]
 
 
 def test_a_front_is_drawn_with_all_its_plans_and_prices(place, tmp_path):
     for file in ("front.svg", "front.png"):
-        options = ["--max-cost-increase", "50%", "--plot", str(tmp_path / file), "--json"]
+        options = ["--max-cost-increase", "50%", *SEARCHES, "--plot", str(tmp_path / file), "--json"]
         done = explicable(place, "front", "labeller.json", *TEAM, *HUMAN, *options)
         assert done.returncode == 0, done.stderr
     plans = json.loads(done.stdout)["plans"]

@@ -54,7 +54,7 @@ def plan(folder, name, *options, address_space_mib=None):
         preexec_fn=restrict,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
     assert "Traceback" not in done.stderr

@@ -14,7 +14,7 @@ def explicable(*arguments):
         [sys.executable, "-m", "explicable", *map(str, arguments)],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
     assert "Traceback" not in done.stderr

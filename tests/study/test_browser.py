@@ -1,10 +1,11 @@
 """People at a real browser: by mouse, by keyboard alone, with reloads; and axe on every page."""
 
 import json
+import time
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from browser import chromium
+from browser import PATIENCE_MS, chromium
 from studies import write_study
 
 from explicable.first_response import read_map
@@ -51,9 +52,9 @@ def served(tmp_path):
 
 
 @pytest.fixture
-def page(browser):
+def page(browser, served):  # noqa: ARG001 (the browser leaves before the server does)
     context = browser.new_context(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
-    context.set_default_timeout(30_000)
+    context.set_default_timeout(PATIENCE_MS)
     page = context.new_page()
     problems = []
     page.on("pageerror", lambda error: problems.append(str(error)))
@@ -65,13 +66,22 @@ def page(browser):
 
 def until(page, condition):
     """Wait for a condition; Playwright's own way needs what the pages' security policy forbids."""
-    for _ in range(3000):
-        if page.evaluate(f"typeof isFinished !== 'undefined' && ({condition})"):
-            return
+    ends_at = time.monotonic() + PATIENCE_MS / 1000
+    while not page.evaluate(f"typeof isFinished !== 'undefined' && ({condition})"):
+        assert time.monotonic() < ends_at, f"{page.url}: {condition}; {page.evaluate('JSON.stringify(view)')}"
         page.wait_for_timeout(10)
-    raise AssertionError(
-        f"{page.url}: {condition} did not become true; {page.evaluate('JSON.stringify(view)')}"
-    )
+
+
+def follow(page, selector):
+    """Click on what leads to another page, and wait until that is there."""
+    with page.expect_navigation():
+        page.click(selector)
+
+
+def press_and_follow(page, key):
+    """The same by keyboard."""
+    with page.expect_navigation():
+        page.keyboard.press(key)
 
 
 def view_of(page):
@@ -124,8 +134,8 @@ def by_keyboard(page):
 
 def begin(page, link):
     page.goto(link)
-    page.click("button[value=yes]")
-    page.click("main button")
+    follow(page, "button[value=yes]")
+    follow(page, "main button")
 
 
 def rows(folder, table):
@@ -140,24 +150,22 @@ def test_a_session_by_mouse_with_a_change_of_mind_and_reloads(page, served):
     folder, link, _ = served
     begin(page, link)
     play(page, *by_mouse(page))
-    page.click("#finished a")
+    follow(page, "#finished a")
     page.check("input[value=before]")
-    page.click("main button")
+    follow(page, "main button")
     for _ in range(2):
-        until(page, "true")
         if view_of(page)["commands"]:
             page.click("[data-object=c-0-2]")
             until(page, "view.phase === 'question'")
             page.click("[data-room=c-2-3]")  # another room, while the robot is on its way
             until(page, "view.commands.some(c => c.object === 'c-2-3' && c.is_present)")
             page.reload()
-            until(page, "true")
             assert next(c for c in view_of(page)["commands"] if c["is_present"])["object"] == "c-2-3"
         play(page, *by_mouse(page))
-        page.click("#finished a")
+        follow(page, "#finished a")
     page.check("input[value='7']", force=True)
     page.fill("textarea", "Well done!")
-    page.click("main button")
+    follow(page, "main button")
     assert page.inner_text(".code")
     labels, steps = rows(folder, tables.LABELS), rows(folder, tables.STEPS)
     assert len(labels) == sum(step.agent == "r1" for step in steps)
@@ -173,17 +181,15 @@ def test_a_session_by_keyboard_alone(page, served):
         for _ in range(60):
             page.keyboard.press("Tab")
             if page.evaluate(f"document.activeElement.matches('{selector}')"):
-                page.keyboard.press("Enter")
+                press_and_follow(page, "Enter")
                 return
         raise AssertionError(f"{selector} can't be reached with Tab")
 
     press_button("button[value=yes]")
-    page.wait_for_url("**/session")
     press_button("main button")
     page.wait_for_selector("#question")
     play(page, *by_keyboard(page))
-    page.keyboard.press("Enter")  # "Continue" has the focus
-    page.wait_for_selector("input[type=radio]")
+    press_and_follow(page, "Enter")  # "Continue" has the focus
     page.keyboard.press("Tab")
     while not page.evaluate("document.activeElement.matches('input[type=radio]')"):
         page.keyboard.press("Tab")
@@ -192,8 +198,7 @@ def test_a_session_by_keyboard_alone(page, served):
     for _ in range(2):
         page.wait_for_selector("#question")
         play(page, *by_keyboard(page))
-        page.keyboard.press("Enter")
-        page.wait_for_load_state()
+        press_and_follow(page, "Enter")
     page.wait_for_selector("textarea")
     while not page.evaluate("document.activeElement.matches('input[type=radio]')"):
         page.keyboard.press("Tab")
@@ -225,8 +230,8 @@ def test_a_map_is_painted_by_mouse_and_keys_and_saved(page, served):
     folder, link, password = served
     page.goto(f"{link}admin")
     page.fill("input[type=password]", password)
-    page.click("main button")
-    page.click("text=Map editor")
+    follow(page, "main button")
+    follow(page, "text=Map editor")
     page.wait_for_selector("#grid button")
 
     def paint(character, row, column):
@@ -269,6 +274,7 @@ def test_axe_finds_no_violation_on_any_page(browser, served, scheme):
     context = browser.new_context(
         viewport={"width": 360, "height": 740}, color_scheme=scheme, reduced_motion="reduce"
     )
+    context.set_default_timeout(PATIENCE_MS)
     page = context.new_page()
     axe = Axe()
 
@@ -279,31 +285,31 @@ def test_axe_finds_no_violation_on_any_page(browser, served, scheme):
 
     page.goto(link)
     examine()
-    page.click("button[value=yes]")
+    follow(page, "button[value=yes]")
     examine()
-    page.click("main button")
+    follow(page, "main button")
     examine()
     page.click("[data-object]")
     until(page, "view.phase === 'question'")
     examine()
     play(page, *by_mouse(page))
     examine()
-    page.click("#finished a")
+    follow(page, "#finished a")
     examine()
     page.check("input[value=before]")
-    page.click("main button")
+    follow(page, "main button")
     for _ in range(2):
         examine()
         play(page, *by_mouse(page))
-        page.click("#finished a")
+        follow(page, "#finished a")
     examine()
     page.check("input[value='7']", force=True)
-    page.click("main button")
+    follow(page, "main button")
     examine()
     page.goto(f"{link}admin")
     examine()
     page.fill("input[type=password]", password)
-    page.click("main button")
+    follow(page, "main button")
     page.wait_for_selector("table")
     examine()
     page.goto(f"{link}nowhere")

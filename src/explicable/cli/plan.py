@@ -149,7 +149,9 @@ def plan(
     elif mode == "paper":
         result = plan_as_in_paper(team_task, labeller, **limits)
     elif budget is not None:
-        result = plan_within_budget(team_task, labeller, **budget, time_limit_s=time_limit, seed=seed)
+        result = plan_within_budget(
+            team_task, labeller, **budget, search_s=improve_time, time_limit_s=time_limit, seed=seed
+        )
     elif telling_cost is not None:
         told = conform_or_explain(
             team_task,
