@@ -71,25 +71,22 @@ void Scorer::walk(Context& context, Labels& labels, const State& state, std::spa
 
 PathScore Scorer::score(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) const {
     Context context = read(node);
-    walk(context, context.chain, state, relaxed_plan);
+    if (!expected_) {
+        walk(context, context.chain, state, relaxed_plan);
+        return {context.chain.count[static_cast<std::size_t>(context.chain.odds > 0)], 0, context.num_steps};
+    }
+    Tally<2> tally(context.chain);
+    walk(context, tally, state, relaxed_plan);
     if (context.num_steps == 0) return {0, 0, 0};
-    const auto& chain = context.chain;
-    if (!expected_) return {chain.count[static_cast<std::size_t>(chain.odds > 0)], 0, context.num_steps};
-    const double p = chain.odds, spread = chain.count[1] - chain.count[0];
-    const double variance = (1 - p) * chain.variance[0] + p * chain.variance[1] + p * (1 - p) * spread * spread;
-    return {count(node, state, relaxed_plan), variance, context.num_steps};
+    return {tally.mean(), tally.variance(), context.num_steps};
 }
 
 double Scorer::count(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) const {
     if (!expected_) return score(node, state, relaxed_plan).num_inexplicable;
     Context context = read(node);
-    const auto& chain = context.chain;
-    Tally tally{{1 - chain.odds, chain.odds},
-                {(1 - chain.odds) * chain.count[0], chain.odds * chain.count[1]},
-                chain.is_empty};
+    Tally<1> tally(context.chain);
     walk(context, tally, state, relaxed_plan);
-    if (context.num_steps == 0) return 0;
-    return (tally.moment[0] + tally.moment[1]) / (tally.weight[0] + tally.weight[1]);
+    return context.num_steps == 0 ? 0 : tally.mean();
 }
 
 std::uint64_t Scorer::closing_key(const std::byte* node) const { return situation_key(read(node)); }

@@ -88,11 +88,18 @@ private:
         std::array<double, 2> variance{};
         bool is_empty = true;
     };
-    // The same without variances and without a division a step: the weight of each label of the last step, and that weight
-    // times the expected count. Of both only the ratio counts, so they may be scaled together.
+    // The same without a division a step: for each label of the last step its weight, and that weight times the mean of each
+    // power of the count (beyond what a path is expected to have, for precision). Only ratios count, so all may be scaled.
+    template <int kPowers>
     struct Tally {
-        std::array<double, 2> weight{1, 0}, moment{};
-        bool is_empty = true;
+        explicit Tally(const Chain& chain);
+        double mean() const { return start + total(1) / total(0); }
+        double variance() const;
+        double total(std::size_t power) const { return moment[power][0] + moment[power][1]; }
+
+        std::array<std::array<double, 2>, kPowers + 1> moment{};
+        double start;
+        bool is_empty;
     };
     // What the equal arguments of a step and the step before add to the scores of the two.
     struct Equalities {
@@ -136,7 +143,8 @@ private:
     void append(Chain& chain, bool is_human, double score) const;
     void append_best(Chain& chain, bool is_human, double score) const;
     void append_expected(Chain& chain, bool is_human, double score) const;
-    void append(Tally& tally, bool is_human, double score) const;
+    template <int kPowers>
+    void append(Tally<kPowers>& tally, bool is_human, double score) const;
     bool is_human(OperatorId step) const { return (*tables_)[step].is_human; }
     std::size_t schema_of(OperatorId step) const {
         return step < 0 ? num_schemas_ : static_cast<std::size_t>((*tables_)[step].schema);
