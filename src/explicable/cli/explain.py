@@ -150,7 +150,8 @@ def print_told(result: "ToldPlan", output: Path | None, *, as_json: bool) -> int
     """Print a plan that may tell, or write it to a file; return the exit code."""
     from explicable.model.files import write_whole
 
-    text = "\n".join([*result.lines, f"; cost = {result.plan.cost}"]) + "\n" if result.plan else ""
+    lines = () if result.plan is None else (*result.lines, f"; cost = {result.plan.cost}")
+    text = "".join(f"{line}\n" for line in lines)
     if output and text:
         write_whole(output, text)
     if as_json:

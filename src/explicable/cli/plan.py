@@ -178,7 +178,7 @@ def plan(
             on_better=show_progress(),
             **limits,
         )
-    text = format_plan(result.plan.actions, result.plan.cost) if result.plan else None
+    text = format_plan(result.plan.actions, result.plan.cost) if result.plan is not None else None
     if output and text:
         write_whole(output, text)
     if as_json:

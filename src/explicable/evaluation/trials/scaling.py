@@ -72,7 +72,7 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
             row |= {
                 f"{name}_plan_s": round(perf_counter() - began, 6),
                 f"{name}_evaluations": found.evaluations,
-                f"{name}_cost": found.plan.cost if found.plan else None,
+                f"{name}_cost": None if found.plan is None else found.plan.cost,
             }
             row["outcome"] = found.outcome.value
         rows.append(row | {"memory_bytes": _peak_memory()})
