@@ -1,10 +1,13 @@
+import json
 import re
 import sqlite3
 
 import pytest
 from studies import TASKS, Visitor, open_study, write_study
 
+from explicable.cli import run
 from explicable.study import schema as tables
+from explicable.study.config import read_study
 
 
 @pytest.fixture
@@ -148,6 +151,41 @@ def test_who_was_silent_for_too_long_gives_the_place_back(tmp_path, monkeypatch)
         monkeypatch.setattr(time, "time", lambda: now + 1860)
         assert Visitor(client).reach_tasks().heading == "Task 1 of 2"
     assert sorted(row["stage"] for row in rows(tmp_path, tables.SESSIONS)) == ["returned", "tasks"]
+
+
+def test_places_are_free_again_as_soon_as_the_researcher_looks(tmp_path, capsys):
+    folder = write_study(tmp_path, extra="time_limit_min = 1e-9")
+    client, _, _ = open_study(folder)
+    with client:
+        Visitor(client).reach_tasks()
+    assert run(["study", "status", str(folder), "--json"]) == 0
+    people = json.loads(capsys.readouterr().out)["person"]
+    assert people["stages"] == {"returned": 1}
+    assert not any(task["under_way"] for task in people["tasks"])
+
+
+def test_a_preview_on_mechanical_turk_shows_consent_and_starts_nothing(tmp_path):
+    folder = write_study(tmp_path, extra='[recruitment]\nplatform = "mturk"')
+    client, _, _ = open_study(folder)
+    with client:
+        preview = client.get("/?assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=H1")
+        assert preview.status_code == 200
+        assert "This is a preview" in preview.text
+        assert "ticket" not in preview.text
+        assert client.post("/consent", data={"decision": "yes"}).status_code == 403
+        visitor = Visitor(client)
+        visitor.arrive("?assignmentId=A1&hitId=H1&workerId=W1")
+        assert "This is a preview" not in visitor.page.text
+        visitor.consent()
+    assert len(rows(folder, tables.PARTICIPANTS)) == 1
+    assert {row["name"] for row in rows(folder, tables.RECRUITS)} == {"workerId", "assignmentId", "hitId"}
+
+
+def test_a_study_in_which_the_robot_can_not_lead_is_warned_of(tmp_path):
+    play = 'mode = "autonomous"\nsemantics = "{}"'
+    waiting = read_study(write_study(tmp_path, play=play.format("exclusive")))
+    assert "never moves without a command" in waiting.warnings[0]
+    assert read_study(write_study(tmp_path, play=play.format("persistent"))).warnings == []
 
 
 def test_recruits_are_recognised_and_nothing_is_invented(tmp_path):

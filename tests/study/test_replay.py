@@ -1,7 +1,9 @@
 """Plans of any PDDL domain, shown step by step and labelled."""
 
+import re
 import shutil
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 from studies import Visitor, open_study, write_study
@@ -59,6 +61,63 @@ def test_every_robot_step_of_a_plan_is_asked_about_once(tmp_path, example, ask):
     taken = [view for view in views if view["number"] and view["stage"] == "tasks"]
     assert all(view["sentence"].endswith(".") for view in taken)
     assert all(view["became_true"] or view["became_false"] for view in taken)
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+PLACES = '[places]\nat = "1 in 2"\nstored = "1 in 2"\ncarries = "2 in 1"'
+
+
+def test_a_task_names_its_renderer(tmp_path):
+    folder = example_study(tmp_path / "places", "warehouse", f'picture = "places"\n{PLACES}')
+    client, _, _ = open_study(folder)
+    with client:
+        views = Visitor(client).reach_tasks().play()
+    shown = [view for view in views if view["stage"] == "tasks"]
+    material = read_materials(folder).material("warehouse-ff", "all")
+    places = material.pictures.places
+    assert len(places) > 1
+    assert len({view["picture"] for view in shown}) > 3
+    for view in shown:
+        words = re.findall(r"<text[^>]*>([^<]*)</text>", view["picture"])
+        assert set(places) <= set(words)
+        assert view["number"] == 0 or view["became_true"] or view["became_false"]
+    carried = next(view["picture"] for view in shown if "carries" in str(view["became_true"]))
+    _, cart, parcel, place = next(action for action in read_plan(folder / "plan.txt") if action[0] == "load")
+    boxes = {box.findtext(f"{SVG}text"): box for box in ET.fromstring(carried).iter(f"{SVG}g")}  # noqa: S314
+    assert boxes[cart] in boxes[place].iter()
+    assert boxes[parcel] in boxes[cart].iter()
+
+
+def test_a_map_can_be_shown_in_words_and_a_renderer_must_fit(tmp_path):
+    def material(folder, tasks, **options):
+        write_study(tmp_path / folder, tasks=tasks, **options)
+        return read_materials(tmp_path / folder).material("one", "all")
+
+    task = '[[task]]\nname = "one"\nmap = "one.map"\n'
+    assert material("map", task).pictures is not None
+    assert material("words", f'{task}picture = "none"\n').pictures is None
+    assert material("places", f'{task}picture = "places"\n').pictures.places[0] == "c-0-0"
+    with pytest.raises(InputError, match="nothing is anywhere"):
+        material("nowhere", f'{task}picture = "places"\n[places]\ninside = "1 in 2"\n')
+    example_study(tmp_path / "unfit", "warehouse", 'picture = "first-response"')
+    with pytest.raises(InputError, match="needs the map"):
+        read_materials(tmp_path / "unfit")
+
+
+def test_pddl_files_of_the_domain_of_maps_are_shown_as_the_map(tmp_path):
+    folder = write_study(tmp_path, tasks="")
+    assert run(["first-response", "encode", str(folder / "one.map"), "-o", str(folder / "pddl")]) == 0
+    files = [f"pddl/{name}.pddl" for name in ("domain", "problem", "human-domain", "human-problem")]
+    options = ["--human-domain", str(folder / files[2]), "--human-problem", str(folder / files[3])]
+    paths = [str(folder / name) for name in files[:2]]
+    assert run(["plan", *paths, *options, "-o", str(folder / "plan.txt")]) == 0
+    keys = zip(("domain", "problem", "human_domain", "human_problem"), files, strict=True)
+    task = "".join(f'{key} = "{file}"\n' for key, file in keys)
+    task = f'[[task]]\nname = "pddl"\nmap = "one.map"\npicture = "first-response"\nplan = "plan.txt"\n{task}'
+    client, _, _ = open_study(write_study(tmp_path, tasks=task))
+    with client:
+        views = Visitor(client).reach_tasks().play()
+    assert all("data-room" in view["picture"] for view in views if view["stage"] == "tasks")
 
 
 def test_templates_say_steps_and_facts_as_the_study_likes(tmp_path):

@@ -1,6 +1,7 @@
 """Live teaming: a joint plan that predicts the person, made anew when the person does something else."""
 
 import json
+import threading
 
 import pytest
 from studies import Visitor, open_study, write_study
@@ -12,7 +13,7 @@ from explicable.search import Outcome
 from explicable.study import schema as tables
 from explicable.study.game import Game, Moment
 from explicable.study.store import Store
-from explicable.study.teaming import Teaming
+from explicable.study.teaming import LabelledPlanner, Teaming
 
 FIRST, SECOND = ("command", "person", "c-0-2"), ("command", "person", "c-2-3")
 SETTING = prepare(encode(World(("@.*.", "....", ".x.*")), "exclusive"))
@@ -79,6 +80,33 @@ def labeller(tmp_path):
     assert run(["first-response", "simulate", *files, *options]) == 0
     assert run(["train", str(traces), "-o", str(path), "--bootstrap", "0"]) == 0
     return path
+
+
+def test_another_worker_plans_before_it_writes(tmp_path, labeller, monkeypatch):
+    folder = write_study(tmp_path / "study", play='mode = "teaming"\nlabeller = "labeller.json"')
+    (folder / "labeller.json").write_bytes(labeller.read_bytes())
+    client, url, _ = open_study(folder)
+    threads, plan = [], LabelledPlanner.__call__
+
+    def watched(self, situation):
+        threads.append(threading.current_thread().name)
+        return plan(self, situation)
+
+    with client:
+        visitor = Visitor(client).reach_tasks()
+        visitor.look()
+        while (view := visitor.view())["phase"] != "moving":
+            visitor.move(view)
+    other, _, _ = open_study(folder, url=url)  # it has no plans yet
+    monkeypatch.setattr(LabelledPlanner, "__call__", watched)
+    other.cookies.update(client.cookies)
+    with other:
+        visitor.client = other
+        assert visitor.move(view).status_code == 200
+        view["number"] = 99  # another tab has gone on
+        assert visitor.move(view).status_code == 409
+    assert threads
+    assert not any("writer" in thread for thread in threads)
 
 
 def test_a_session_of_live_teaming(tmp_path, labeller):

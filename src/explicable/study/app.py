@@ -232,11 +232,21 @@ def _script_routes(server: Server) -> APIRouter:
         responses={code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429, 503)},
     )
     conduct, language = server.conduct, server.materials.language
+    has_teaming = any(condition.mode == "teaming" for condition in server.materials.study.conditions)
 
     @routes.get("/view")
     async def view(request: HTTPRequest) -> View:
         session = server.session(request)
         return await server.read(lambda tx: view_of(conduct.standing(tx, session), language))
+
+    async def think_ahead(session: str) -> None:
+        """Let the robot plan before the transaction in which it moves: nobody waits for a plan then.
+
+        The transaction finds the plan, unless the task has gone on meanwhile: then it refuses the step.
+        """
+        standing = await server.read(lambda tx: conduct.standing(tx, session))
+        if standing.material is not None and standing.moment is not None and standing.is_teaming:
+            await asyncio.to_thread(standing.material.game.upcoming, standing.moment)
 
     async def carry_out(request: HTTPRequest, job: Callable[[Transaction, str], Standing]) -> Response:
         session = server.own_session(request, request.headers.get("x-token"))
@@ -247,7 +257,7 @@ def _script_routes(server: Server) -> APIRouter:
         except ConflictError as error:
             shown = await server.read(lambda tx: view_of(conduct.standing(tx, session), language))
             return _json(Problem(error=str(error), view=shown), 409)
-        if standing.material is not None and standing.material.condition.mode == "teaming":
+        if standing.is_teaming:
             # The robot may plan now: aside, so that others need not wait.
             return _json(await asyncio.to_thread(view_of, standing, language))
         return _json(view_of(standing, language))
@@ -255,6 +265,8 @@ def _script_routes(server: Server) -> APIRouter:
     @routes.post("/step", response_model=View)
     async def step(request: HTTPRequest, move: Move) -> Response:
         asked = Request(move.request_id, time.time(), move.client_time)
+        if has_teaming:
+            await think_ahead(server.own_session(request, request.headers.get("x-token")))
         return await carry_out(request, lambda tx, session: conduct.step(tx, session, asked, move.number))
 
     @routes.post("/answer", response_model=View)

@@ -52,6 +52,11 @@ class Standing:
         """The stage."""
         return Stage(self.session.stage)
 
+    @property
+    def is_teaming(self) -> bool:
+        """Whether the robot may have to plan to go on."""
+        return self.material is not None and self.material.condition.mode == "teaming"
+
 
 @dataclass(frozen=True)
 class Conduct:
