@@ -11,7 +11,7 @@ from explicable.study.pictures import Scene, Translate
 if TYPE_CHECKING:
     from explicable.model.problem import GroundAtom
 
-_WIDTH = 620
+_WIDTH = 400
 _GAP, _LINE, _LETTER = 8, 30, 9.5
 _INK, _PLACE, _THING, _ACTIVE, _ACTIVE_LINE = "#24272e", "#f3f1ea", "#ffffff", "#d5e8f3", "#00567f"
 
@@ -48,7 +48,8 @@ class PlacePictures:
         inside = {thing for things in content.values() for thing in things}
         roots = [*self.places, *sorted(set(content) - inside - set(self.places))]
         active = frozenset((scene.announced or scene.step or ())[1:])
-        boxes = [_make_box(name, content, active, frozenset()) for name in roots]
+        column = self._column(scene.facts)
+        boxes = [_make_box(name, content, active, frozenset(), column) for name in roots]
         drawing, width, height = _flow(boxes, _WIDTH)
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" role="img"'
@@ -62,6 +63,13 @@ class PlacePictures:
     def sentences(self, _: Translate) -> Mapping[str, str]:
         """Return templates of the domain's steps: it has none of its own."""
         return {}
+
+    def _column(self, facts: "Collection[GroundAtom]") -> float:
+        """Return the width of all places, so that they stay where they are whatever is in them."""
+        pairs = [pair for atom in facts if (pair := thing_in_place(atom, self.inside))]
+        longest = max(len(name) for name in (*self.places, *(name for pair in pairs for name in pair)))
+        num = max(1, min(len(self.places), int((_WIDTH - _GAP) // (longest * _LETTER + 4 * _GAP + _GAP))))
+        return (_WIDTH - _GAP) / num - _GAP
 
     def _content(self, facts: "Collection[GroundAtom]") -> dict[str, list[str]]:
         content: dict[str, list[str]] = defaultdict(list)
@@ -114,7 +122,11 @@ class _Box:
 
 
 def _make_box(
-    name: str, content: Mapping[str, Sequence[str]], active: frozenset[str], around: frozenset[str]
+    name: str,
+    content: Mapping[str, Sequence[str]],
+    active: frozenset[str],
+    around: frozenset[str],
+    width: float = 0.0,
 ) -> _Box:
     """Make the box of an object with what is in it; ``around`` are the boxes about it, lest it never ends."""
     inner = [
@@ -123,8 +135,8 @@ def _make_box(
         if thing not in around | {name}
     ]
     label_width = len(name) * _LETTER + 2 * _GAP
-    drawing, inner_width, inner_height = _flow(inner, _WIDTH / 2) if inner else ("", 0.0, 0.0)
-    width, height = max(label_width, inner_width), _LINE + inner_height
+    drawing, inner_width, inner_height = _flow(inner, width) if inner else ("", 0.0, 0.0)
+    width, height = max(width, label_width, inner_width), _LINE + inner_height
     is_place = not around
     fill = _ACTIVE if name in active else _PLACE if is_place else _THING
     line = _ACTIVE_LINE if name in active else "#8b909b"
