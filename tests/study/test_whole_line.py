@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import json
+import re
 
 import pyarrow.parquet as pq
 import pytest
@@ -65,7 +66,8 @@ def test_the_data_are_complete_marked_and_checked(played):
     for name, checksum in told["sha256"].items():
         assert hashlib.sha256((data / name).read_bytes()).hexdigest() == checksum
     for table in ("labelled-steps", "participants", "sessions", "assignments", "answers", "events"):
-        with (data / "data" / f"study-data_table-{table}_data.csv").open(newline="") as file:
+        name = {"labelled-steps": "labelledSteps"}.get(table, table)
+        with (data / "data" / f"study-data_description-{name}_data.csv").open(newline="") as file:
             rows = list(csv.DictReader(file))
         lines = read_lines(data / "jsonl" / f"{table}.jsonl")
         parquet = pq.read_table(data / "parquet" / f"{table}.parquet").to_pylist()
@@ -76,6 +78,31 @@ def test_the_data_are_complete_marked_and_checked(played):
         assert all(f"`{column}`" in codebook for column in rows[0])
     assert told["rows"]["traces"] == 6
     assert not (data / "traces" / "traces.jsonl").exists()  # no people took part
+
+
+def test_the_data_keep_the_rules_of_psych_ds(played):
+    """Those of its schema, version 1.5.1, whose breach is an error, and of schema.org's properties."""
+    data = played / "data"
+    described = json.loads((data / "dataset_description.json").read_text(encoding="utf-8"))
+    assert described["@context"].rstrip("/") == "https://schema.org"
+    assert described["@type"] == "Dataset"
+    of_datasets = {"name", "description", "variableMeasured", "dateCreated", "version", "identifier"}
+    assert described.keys() - {"@context", "@type"} == of_datasets
+    columns = set()
+    for path in (data / "data").iterdir():
+        assert re.fullmatch(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv", path.name)
+        with path.open(newline="", encoding="utf-8") as file:
+            header, *rows = csv.reader(file)
+        assert all(len(row) == len(header) == len(set(header)) for row in rows)
+        columns |= set(header)
+    measured = described["variableMeasured"]
+    assert {variable["name"] for variable in measured} == columns
+    assert len(measured) == len(columns)
+    assert all(variable["@type"] == "PropertyValue" and variable["description"] for variable in measured)
+    assert (data / "README.md").exists()
+    assert {"README.md", ".psychds-ignore"} < json.loads((data / "checksums.json").read_text())[
+        "sha256"
+    ].keys()
 
 
 def test_the_traces_are_those_of_the_tables(played):

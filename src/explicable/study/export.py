@@ -31,6 +31,10 @@ from explicable.study.store import Row, Transaction
 Record = Mapping[str, Any]
 
 _BATCH = 1000
+_IGNORED = "".join(
+    f"{name}\n" for name in ("jsonl/**", "parquet/**", "traces/**", "checksums.json", "study.toml")
+)
+"""What is there besides the data set, for the validator of Psych-DS."""
 _TYPES = {
     "string": pa.string(),
     "integer": pa.int64(),
@@ -62,6 +66,8 @@ def export(tx: Transaction, materials: Materials, output: Path) -> dict[str, int
             counts[table], columns[table] = _write_table(tx, materials, table, aside)
         counts["traces"] = _write_traces(tx, materials, aside)
         (aside / "CODEBOOK.md").write_text(format_codebook(columns), encoding="utf-8")
+        (aside / "README.md").write_text(_readme(materials), encoding="utf-8")
+        (aside / ".psychds-ignore").write_text(_IGNORED, encoding="utf-8")
         (aside / "study.toml").write_bytes((materials.folder / "study.toml").read_bytes())
         _write_json(aside / "dataset_description.json", _description(materials, columns))
         _write_json(aside / "checksums.json", {"rows": counts, "sha256": _checksums(aside)})
@@ -94,7 +100,7 @@ def _write_table(tx: Transaction, materials: Materials, table: str, folder: Path
     schema = pa.schema([(name, _TYPES[_type(table, name)]) for name in columns])
     count = 0
     with ExitStack() as stack:
-        csv_file = stack.enter_context(_opened(folder / "data" / f"study-data_table-{table}_data.csv"))
+        csv_file = stack.enter_context(_opened(folder / "data" / _data_file(table)))
         lines = stack.enter_context(_opened(folder / "jsonl" / f"{table}.jsonl"))
         (folder / "parquet").mkdir(exist_ok=True)
         parquet = stack.enter_context(pq.ParquetWriter(folder / "parquet" / f"{table}.parquet", schema))
@@ -214,8 +220,34 @@ def _description(materials: Materials, columns: Mapping[str, list[str]]) -> dict
         "dateCreated": datetime.now(UTC).isoformat(timespec="seconds"),
         "version": metadata.version("explicable"),
         "identifier": materials.hash,
-        "seed": materials.study.seed,
     }
+
+
+def _data_file(table: str) -> str:
+    """Return the name of a table's file: Psych-DS has letters and digits between its hyphens only.
+
+    Examples
+    --------
+    >>> _data_file("labelled-steps")
+    'study-data_description-labelledSteps_data.csv'
+    """
+    first, *rest = table.split("-")
+    return f"study-data_description-{first}{''.join(map(str.capitalize, rest))}_data.csv"
+
+
+def _readme(materials: Materials) -> str:
+    return f"""# {materials.study.title}
+
+Labels of robots' steps in the layout of Psych-DS, collected with explicable {metadata.version("explicable")}.
+Rows with origin = simulated come from simulated participants, who are test instruments and no people.
+
+Seed of the study: {materials.study.seed}. SHA-256 of its files: {materials.hash}.
+
+- data/: every table as CSV. An apostrophe stands in front of text that a spreadsheet would take for a
+  formula; jsonl/ and parquet/ hold the same tables without it.
+- traces/: finished tasks, as `explicable train` reads them.
+- CODEBOOK.md: what the columns mean. checksums.json: numbers of rows, and SHA-256 of every file.
+"""
 
 
 def _checksums(folder: Path) -> dict[str, str]:
