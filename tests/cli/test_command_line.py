@@ -143,6 +143,8 @@ def test_plan_goes_to_standard_output(place):
             USAGE,
             "saints",
         ),
+        (["train", "traces.jsonl", "-o", "x", "--augment", "9" * 20], USAGE, "--augment"),
+        (["train", "traces.jsonl", "-o", "x", "--bootstrap", "9" * 20], USAGE, "--bootstrap"),
         (["walk"], USAGE, "walk"),
     ],
 )

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from explicable.labelling.validation import Validation
 
 DEFAULT_BOOTSTRAP = 50
+_MOST = 100_000  # copies of a trace, and models: a hundred times what anybody has use for
 
 
 @click.command()
@@ -25,14 +26,14 @@ DEFAULT_BOOTSTRAP = 50
 @click.option("--c2", type=FiniteRange(min=0), default=1.0, show_default=True, help="L2 penalty.")
 @click.option(
     "--augment",
-    type=click.IntRange(min=0),
+    type=click.IntRange(min=0, max=_MOST),
     metavar="N",
     help="As in the paper: learn from the names in each step instead of lifted features, and from N copies of"
     " each trace under random renamings (the paper: 1000). Holds for objects of the same names only.",
 )
 @click.option(
     "--bootstrap",
-    type=click.IntRange(min=0),
+    type=click.IntRange(min=0, max=_MOST),
     help=f"Models that tell how sure the labeller is. Default: {DEFAULT_BOOTSTRAP}, or 0 with --augment,"
     " where each takes as long as the training itself.",
 )
