@@ -2,11 +2,11 @@
 
 import json
 import re
-from pathlib import Path
 
 import pytest
 from small_studies import write_study
 
+from explicable.cli import EXIT_BAD_INPUT, EXIT_TRIALS_FAILED
 from explicable.cli import run as command_line
 from explicable.evaluation.answers.rows import flatten, group, judged, labelled
 from explicable.evaluation.experiments import builtin_experiments, read_experiment
@@ -15,8 +15,9 @@ from explicable.evaluation.records import without_measurements
 from explicable.evaluation.results import make_page
 from explicable.evaluation.runner import read_records, run_experiments
 from explicable.evaluation.statistics import estimate
-
-ROOT = Path(__file__).parents[2]
+from explicable.execution import builtin_families, simulate_study
+from explicable.first_response import builtin_maps, encode
+from explicable.labelling import write_traces
 
 STUDIES = {
     "plans": """
@@ -43,10 +44,10 @@ settings = { num_marks = 2, num_maps = 1 }
 [[cells]]
 side = [4, 5]
 """,
-    "domains": f"""
+    "domains": """
 question = "Domains?"
 kind = "domains"
-settings = {{ folder = "{(ROOT / "examples" / "warehouse").as_posix()}", family = "myopic", num_traces = 3 }}
+settings = { problem = "warehouse", family = "myopic", num_traces = 3 }
 """,
 }
 
@@ -123,6 +124,28 @@ def test_another_run_with_the_same_seed_differs_in_times_alone(finished, tmp_pat
     again = run_experiments(chosen, tmp_path)
     for name, found in again.items():
         assert without_measurements(found) == without_measurements(records[name])
+
+
+def test_traces_of_a_study_take_the_place_of_simulated_games(tmp_path, capsys):
+    maps = [builtin_maps("training")["training-01"], builtin_maps("test")["test-02"]]
+    problems = [encode(world, "exclusive") for world in maps]
+    games = simulate_study(problems, builtin_families()["myopic"], num_traces=4, seed=3)
+    write_traces(tmp_path / "traces.jsonl", [game.trace for game in games])
+    arguments = ["evaluate", "--traces", str(tmp_path / "traces.jsonl"), "--quick", "-o", str(tmp_path)]
+    assert command_line(arguments) == 0
+    (record,) = map(json.loads, (tmp_path / "records" / "study.jsonl").read_text().splitlines())
+    own = [row for row in record["rows"] if row["plan"] == "participants"]
+    assert [row["map"] for row in own] == ["test-02"] * 2  # nobody played the other three
+    assert [row["own_labels"][0] for row in own] == [game.trace.annotator for game in games[1::2]]
+    page = (tmp_path / "results.md").read_text()
+    assert "the traces of a study" in page
+    assert "human (participants')" in page
+    write_traces(tmp_path / "traces.jsonl", [game.trace for game in games[1::2]])
+    assert command_line([*arguments[:-1], str(tmp_path / "other")]) == EXIT_TRIALS_FAILED
+    assert "none is left to learn from" in (tmp_path / "other" / "results.md").read_text()
+    write_traces(tmp_path / "traces.jsonl", [])
+    assert command_line(arguments) == EXIT_BAD_INPUT
+    assert "first-response" in capsys.readouterr().err
 
 
 def test_latex_escapes_what_latex_would_take_for_commands():

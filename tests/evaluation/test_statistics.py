@@ -70,6 +70,14 @@ def test_odds_ratios_of_the_equations_are_those_of_the_table():
     assert effect.num == 6
 
 
+def test_plans_that_all_call_explicable_have_no_odds_and_the_same_answers_are_no_difference():
+    some, all_ = (Counts(part, [9] * 3, [0, 1, 2], [0] * 3) for part in ([5, 6, 7], [9, 9, 9]))
+    (same,) = compare_with_gee({"base": some, "perfect": all_, "same": some}, "base")
+    assert same.name == "same"
+    assert (same.odds_ratio, same.low, same.high, same.p_value) == pytest.approx((1.0, 1.0, 1.0, 1.0))
+    assert compare_with_gee({"base": all_, "plan": some}, "base") == []
+
+
 def test_many_comparisons_make_each_less_sure():
     rng = np.random.default_rng(5)
     counts = {

@@ -25,6 +25,11 @@ from explicable.cli import EXIT_TRIALS_FAILED
     help="An experiment's file (TOML), in the place of those that come with the package; may be repeated.",
 )
 @click.option(
+    "--traces",
+    type=INPUT_FILE,
+    help="A study's traces, for the paper's experiment in the place of simulated participants' games.",
+)
+@click.option(
     "--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes on this machine."
 )
 @click.option("--dask", "scheduler", metavar="SCHEDULER", help="Use a Dask cluster: tcp://HOST:PORT.")
@@ -38,6 +43,7 @@ from explicable.cli import EXIT_TRIALS_FAILED
 @click.option("--report-only", is_flag=True, help="Run nothing; make the report from the records there are.")
 def evaluate(
     studies: tuple[Path, ...],
+    traces: Path | None,
     jobs: int,
     scheduler: str | None,
     quick: bool,
@@ -46,16 +52,23 @@ def evaluate(
 ) -> int:
     """Run the experiments and write tables, figures and a page from their records.
 
-    Interrupted, the same command goes on where it was. Participants are simulated: test instruments, not
-    people.
+    With a study's traces, the paper's experiment alone. Interrupted, the same command goes on where it was.
+    Participants are simulated: test instruments, not people.
     """
-    from explicable.evaluation.experiments import builtin_experiments, read_experiment
+    from explicable.evaluation.experiments import (
+        builtin_experiments,
+        experiment_on_traces,
+        read_experiment,
+    )
     from explicable.evaluation.results import write_results
     from explicable.evaluation.runner import read_records, run_experiments
 
     if scheduler and jobs > 1:
         raise click.UsageError("--jobs is for this machine, --dask for a cluster: use one of them")
-    experiments = [read_experiment(path, quick=quick) for path in studies] or builtin_experiments(quick=quick)
+    experiments = [read_experiment(path, quick=quick) for path in studies]
+    if traces:
+        experiments.append(experiment_on_traces(traces, quick=quick))
+    experiments = experiments or builtin_experiments(quick=quick)
     names = [experiment.name for experiment in experiments]
     if len(set(names)) < len(names):
         raise click.UsageError("two studies have the same name")

@@ -22,10 +22,10 @@ import itertools
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from explicable.errors import InputError, UsageError
 from explicable.evaluation.records import Settings, Trial
@@ -110,6 +110,29 @@ def read_experiment(path: str | Path, *, quick: bool = False) -> Experiment:
     except UnicodeDecodeError as error:
         raise InputError(f"not a text file in UTF-8 ({error.reason})", path=path) from error
     return parse_experiment(text, _name(Path(path).name), quick=quick, path=path)
+
+
+def experiment_on_traces(path: str | Path, *, quick: bool = False) -> Experiment:
+    """Make the paper's experiment with the traces of a study in the place of simulated participants' games.
+
+    Raises
+    ------
+    InputError
+        If they can't be read, or are of another domain than the paper's.
+    """
+    from explicable.first_response import Semantics
+    from explicable.labelling import read_traces
+
+    file = resources.files("explicable.evaluation") / "experiments" / "traces" / "study.toml"
+    made = parse_experiment(file.read_text("utf-8"), "study", quick=quick, path=file.name)
+    domains = {f"first-response-{semantics}": semantics for semantics in get_args(Semantics)}
+    found = dict.fromkeys(domains.get(trace.problem.robot.domain.name) for trace in read_traces(path))
+    if not found or None in found:
+        raise InputError("the paper's experiment needs traces of the first-response domain", path=path)
+    cells = [
+        {**cell, "semantics": semantics, "traces": str(path)} for semantics in found for cell in made.cells
+    ]
+    return replace(made, cells=tuple(cells))
 
 
 def parse_experiment(

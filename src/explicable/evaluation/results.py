@@ -17,6 +17,11 @@ SUMMARY = (
     "Every figure stands with its 95 % interval and its n, and is computed from the records beside this page."
     " All participants are simulated: test instruments, whose word is no evidence about people."
 )
+SUMMARY_OF_STUDY = (
+    "Every figure stands with its 95 % interval and its n, and is computed from the records beside this page."
+    " The labeller learned from the traces of a study ({traces}); participants who judge are simulated: test"
+    " instruments, whose word is no evidence about people."
+)
 
 
 def make_page(
@@ -44,7 +49,11 @@ def make_page(
         "duration": f"{work_s / 60:.1f} minutes of work, all processes together",
     }
     sections = tuple(answer(experiment, records[experiment.name]) for experiment in experiments)
-    return Page("Results", SUMMARY, facts, sections, list_failures(records))
+    traces = {
+        str(cell["traces"]) for experiment in experiments for cell in experiment.cells if cell.get("traces")
+    }
+    summary = SUMMARY_OF_STUDY.format(traces=", ".join(sorted(traces))) if traces else SUMMARY
+    return Page("Results", summary, facts, sections, list_failures(records))
 
 
 def list_failures(records: Mapping[str, Sequence[Record]]) -> Table:

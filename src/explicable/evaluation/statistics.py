@@ -180,6 +180,8 @@ class Effect:
 def compare_with_gee(counts: dict[str, Counts], reference: str, *, alpha: float = 0.05) -> list[Effect]:
     """Compare plans by a logistic model of single answers, exchangeable within problems.
 
+    Plans all of whose answers are alike are left out: their odds are no number.
+
     Notes
     -----
     Liang & Zeger, "Longitudinal data analysis using generalized linear models", Biometrika 73, 1986; robust
@@ -189,7 +191,9 @@ def compare_with_gee(counts: dict[str, Counts], reference: str, *, alpha: float 
     from statsmodels.genmod.families import Binomial
     from statsmodels.genmod.generalized_estimating_equations import GEE
 
-    others = [name for name in counts if name != reference]
+    others = [name for name in counts if name != reference and 0 < _ratio(counts[name]) < 1]
+    if not others or not 0 < _ratio(counts[reference]) < 1:
+        return []
     answers: list[list[float]] = []
     groups: list[Any] = []
     design: list[list[float]] = []
@@ -212,8 +216,10 @@ def compare_with_gee(counts: dict[str, Counts], reference: str, *, alpha: float 
         cov_struct=Exchangeable(),
     )
     fitted = model.fit()
-    corrected = correct_by_holm(fitted.pvalues[1:])
-    ends = np.exp(fitted.conf_int(alpha)[1:])
+    # Where both gave the same answers to everything, nothing varies, and there is no error to divide by.
+    is_same = np.abs(fitted.params[1:]) < 1e-12
+    corrected = correct_by_holm(np.where(is_same, 1.0, fitted.pvalues[1:]).tolist())
+    ends = np.exp(np.where(is_same[:, None], 0.0, fitted.conf_int(alpha)[1:]))
     return [
         Effect(
             name,

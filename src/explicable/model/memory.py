@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -27,6 +28,26 @@ def available_memory_bytes(root: Path = Path("/")) -> int:
 def resident_memory_bytes() -> int:
     """Return what this process holds; 0 where that can't be told."""
     return _entry(Path("/proc/self/status"), "VmRSS:") * 1024
+
+
+def peak_memory_bytes() -> int:
+    """Return the most that this process has held, since its start or `forget_peak_memory`.
+
+    Examples
+    --------
+    >>> peak_memory_bytes() > 0
+    True
+    """
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+    return _entry(Path("/proc/self/status"), "VmHWM:") * 1024 or peak
+
+
+def forget_peak_memory() -> None:
+    """Let `peak_memory_bytes` count from now on, where the system can (Linux: proc(5), clear_refs)."""
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
 
 
 def _left_on_machine(root: Path) -> list[int]:

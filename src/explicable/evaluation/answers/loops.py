@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from explicable.evaluation.answers.rows import Row, flatten, group
+from explicable.evaluation.answers.rows import Row, flatten, format_effect, group
 from explicable.evaluation.experiments import Experiment
 from explicable.evaluation.page import Picture, Section, Table, format_estimate
 from explicable.evaluation.plots import plot_intervals, to_svg
@@ -97,17 +97,16 @@ def _differences(cells: _Cells) -> Table:
         answers = {name: _explicable(rows) for name, rows in plans.items()}
         effects = {e.name: e for e in compare_with_gee(answers, "follower")} if several else {}
         for name, rows in plans.items():
-            if name in effects:
-                effect = effects[name]
-                gain = estimate_difference(_inexplicable(rows), _inexplicable(plans["follower"]))
-                lines.append(
-                    (
-                        f"{cell}: {TITLES[name]} − follower",
-                        format_estimate(gain, 2),
-                        f"{effect.odds_ratio:.2f} [{effect.low:.2f}, {effect.high:.2f}] (n = {effect.num})",
-                        f"{effect.p_value:.2g} (n = {effect.num})",
-                    )
+            if name == "follower":
+                continue
+            gain = estimate_difference(_inexplicable(rows), _inexplicable(plans["follower"]))
+            lines.append(
+                (
+                    f"{cell}: {TITLES[name]} − follower",
+                    format_estimate(gain, 2),
+                    *format_effect(effects.get(name)),
                 )
+            )
     columns = ("difference", "inexplicable steps a game", "odds ratio of a step to be explicable", "p (Holm)")
     note = "Odds ratios from a logistic GEE with exchangeable answers within problems; p: Holm's correction."
     return Table("differences", "Against the breadth-first follower", columns, tuple(lines), note)

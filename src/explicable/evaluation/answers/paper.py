@@ -21,13 +21,14 @@ DIFFERENT = (
 
 
 def paper_tables(rows: Sequence[Row]) -> list[Table]:
-    """Make Tables 1 and 2 from the rows with persistent commands, one participant family after another."""
+    """Make Tables 1 and 2 from the rows with persistent commands, if there are any, cell by cell."""
     chosen = {family: group(found, "plan") for family, found in group(_persistent(rows), "cell").items()}
     return [_table_1(chosen), _table_2(chosen)]
 
 
 def _persistent(rows: Sequence[Row]) -> list[Row]:
-    return [row for row in rows if row["settings"].get("semantics", "persistent") == "persistent"]
+    found = [row for row in rows if row["settings"].get("semantics", "persistent") == "persistent"]
+    return found or list(rows)
 
 
 def _table_1(cells: dict[str, dict[str, list[Row]]]) -> Table:

@@ -1,10 +1,19 @@
 """Which plans are explicable, to the labeller and to participants, and what that costs."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from explicable.evaluation.answers.paper import paper_pictures, paper_tables
-from explicable.evaluation.answers.rows import Row, flatten, group, judged, labelled, means
+from explicable.evaluation.answers.rows import (
+    Row,
+    flatten,
+    format_effect,
+    group,
+    judged,
+    labelled,
+    means,
+)
 from explicable.evaluation.experiments import Experiment
 from explicable.evaluation.page import Picture, Section, Table, format_estimate
 from explicable.evaluation.plots import plot_curves, plot_intervals, to_svg
@@ -19,6 +28,9 @@ from explicable.evaluation.statistics import (
     power_curve,
     standardised_difference,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 TITLES = {
     "ff": "FF",
@@ -47,7 +59,7 @@ def answer(experiment: Experiment, records: Sequence[Record]) -> Section:
     cells = {cell: group(found, "plan") for cell, found in group(rows, "cell").items()}
     is_paper = any("steps" in row for row in rows)
     effects = _effects(cells)
-    tables = [*(paper_tables(rows) if is_paper else ()), _effect_table(effects)] if effects else []
+    tables = [*(paper_tables(rows) if is_paper else ()), *([_effect_table(effects)] if effects else ())]
     return Section(
         experiment.name,
         experiment.question,
@@ -88,29 +100,21 @@ def _gains(rows: Sequence[Row], others: Sequence[Row]) -> tuple[Estimate, Estima
 
 
 def _answers(effects: Sequence[_Effect]) -> Iterator[str]:
-    """Say of each planner and each part of the paper's effect where it is reached."""
-    parts: list[tuple[str, Callable[[_Effect], float], float]] = [
-        ("F at least 0.10 above FF's plan, to the labeller", lambda e: e.over_ff[0].value, MIN_GAIN),
-        ("the same to participants who judge", lambda e: e.over_ff[1].value, MIN_GAIN),
-        ("F at least that of participants' own plans, to the labeller", lambda e: e.over_own[0].value, 0.0),
-        ("the same to participants who judge", lambda e: e.over_own[1].value, 0.0),
-        ("at most 5 % longer than the shortest plan", lambda e: -e.extra.value, -MAX_EXTRA),
-    ]
+    """Say of each planner in how many cells each part of the paper's effect is reached."""
     for name in dict.fromkeys(effect.name for effect in effects):
         mine = [effect for effect in effects if effect.name == name]
-        found = [
-            f"{text}: {_where([effect.cell for effect in mine if value(effect) >= least], len(mine))}"
-            for text, value, least in parts
-        ]
-        yield f"Plan “{TITLES[name]}”, {'; '.join(found)}."
-
-
-def _where(reached: Sequence[str], num: int) -> str:
-    if not reached:
-        return f"missed in all {num} cells"
-    return f"reached in {len(reached)} of {num} cells" + (
-        "" if len(reached) == num else f" ({'; '.join(reached)})"
-    )
+        above_ff, above_own = (
+            [sum(gains(effect)[who].value >= least for effect in mine) for who in (0, 1)]
+            for gains, least in ((lambda e: e.over_ff, MIN_GAIN), (lambda e: e.over_own, 0.0))
+        )
+        num_short = sum(effect.extra.value <= MAX_EXTRA for effect in mine)
+        cells = f"of {len(mine)} cell{'s' if len(mine) > 1 else ''}"
+        yield (
+            f"Plan “{TITLES[name]}”: F is at least 0.10 above that of FF's plan in {above_ff[0]} {cells} to"
+            f" the labeller, in {above_ff[1]} to participants who judge; at least that of participants' own"
+            f" plans in {above_own[0]} and {above_own[1]}; at most 5 % longer than the shortest in"
+            f" {num_short}."
+        )
 
 
 def _gains_in_words(cells: _Cells) -> Iterator[str]:
@@ -197,12 +201,6 @@ def _differences(cells: _Cells) -> Table:
             if name == reference:
                 continue
             pairs = _paired(rows, plans[reference])
-            effect = effects.get(name)
-            odds = (
-                f"{effect.odds_ratio:.2f} [{effect.low:.2f}, {effect.high:.2f}] (n = {effect.num})"
-                if effect
-                else "–"
-            )
             lines.append(
                 (
                     f"{cell}: {TITLES[name]} − {TITLES[reference]}",
@@ -211,8 +209,7 @@ def _differences(cells: _Cells) -> Table:
                     ),
                     format_estimate(estimate_difference(judged(rows), judged(plans[reference]))),
                     f"{standardised_difference(*pairs):.2f} (n = {len(pairs[0])})",
-                    odds,
-                    f"{effect.p_value:.2g} (n = {effect.num})" if effect else "–",
+                    *format_effect(effects.get(name)),
                 )
             )
     note = (
@@ -267,6 +264,11 @@ def _pictures(cells: _Cells) -> list[Picture]:
     if measured:
         title = "How many problems a study needs to find explicable − FF (judged F)"
         pictures.append(Picture("power", title, lambda: _draw_power({c: cells[c] for c in measured})))
+    priced = {alpha: plans for plans in cells.values() for alpha in [_alpha(plans)] if alpha is not None}
+    if len(priced) > 1:
+        pictures.append(
+            Picture("front", "Explicability against length, by alpha", lambda: _draw_front(priced))
+        )
     return pictures
 
 
@@ -290,3 +292,36 @@ def _draw_power(cells: _Cells) -> str:
         ),
         width=8,
     )
+
+
+def _alpha(plans: dict[str, list[Row]]) -> float | None:
+    """Return the price of an inexplicable step that a cell names."""
+    row = next((row for name, rows in plans.items() if name != "shortest" for row in rows), None)
+    return row["settings"].get("alpha") if row and {"explicable", "shortest"} <= plans.keys() else None
+
+
+def _draw_front(priced: dict[float, dict[str, list[Row]]]) -> str:
+    """Draw what more length buys: each point is the explicable plans of one alpha."""
+    found = {
+        alpha: (_percent(_extra_cost(plans["explicable"], plans["shortest"])).value, plans["explicable"])
+        for alpha, plans in sorted(priced.items())
+    }
+    curves = {
+        title: [(extra, estimate(counts(rows))) for extra, rows in found.values()]
+        for title, counts in (
+            ("to the labeller", lambda rows: labelled(rows, "f_paper")),
+            ("to participants who judge", judged),
+        )
+    }
+
+    def draw(axes: "Axes") -> None:
+        plot_curves(curves, axes, x_label="% longer than the shortest plan", y_label="F")
+        for alpha, (extra, rows) in found.items():
+            axes.annotate(
+                f"{alpha:g}",
+                (extra, estimate(labelled(rows, "f_paper")).value),
+                (4, 4),
+                textcoords="offset points",
+            )
+
+    return to_svg(draw, width=8)

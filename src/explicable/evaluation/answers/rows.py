@@ -6,7 +6,7 @@ from typing import Any
 
 from explicable.evaluation.experiments import Experiment
 from explicable.evaluation.records import Record
-from explicable.evaluation.statistics import Counts, Estimate, estimate
+from explicable.evaluation.statistics import Counts, Effect, Estimate, estimate
 from explicable.evaluation.trials import default_settings
 
 Row = dict[str, Any]
@@ -90,6 +90,23 @@ def means(rows: Sequence[Row], value: Callable[[Row], float | None]) -> Estimate
         return None
     numbers, problems, repeats = zip(*present, strict=True)
     return estimate(Counts(numbers, [1.0] * len(numbers), problems, repeats))
+
+
+def format_effect(effect: Effect | None) -> tuple[str, str]:
+    """Write an odds ratio with its interval, and its p value; dashes where there is none.
+
+    Examples
+    --------
+    >>> format_effect(Effect("ff", 0.72, 0.58, 0.9, 0.016, 180))
+    ('0.72 [0.58, 0.90] (n = 180)', '0.016 (n = 180)')
+    """
+    if effect is None:
+        return "–", "–"
+    interval = f"[{effect.low:.2f}, {effect.high:.2f}]"
+    return (
+        f"{effect.odds_ratio:.2f} {interval} (n = {effect.num})",
+        f"{effect.p_value:.2g} (n = {effect.num})",
+    )
 
 
 def problem_of(row: Row) -> str:

@@ -20,7 +20,7 @@ TITLES = {
     "ff_plan_s": ("FF, ms", 1000.0, 1),
     "default_plan_s": ("default search, ms", 1000.0, 1),
     "explicable_plan_s": ("first explicable plan, ms", 1000.0, 1),
-    "memory_bytes": ("process's peak memory, MB", 1e-6, 0),
+    "memory_bytes": ("peak memory, MB", 1e-6, 0),
 }
 
 
@@ -47,7 +47,8 @@ def answer(experiment: Experiment, records: Sequence[Record]) -> Section:
 
     note = (
         "Means over maps with 95 % intervals. Times are wall-clock of one process, on a machine that may have"
-        " had other work; the process's peak includes Python, its libraries and earlier trials."
+        " had other work; memory is the most that this process held while it grounded a map and planned for"
+        " it, Python and its libraries included."
     )
     columns = ("size", *(title for title, _, _ in TITLES.values()))
     return Section(

@@ -1,6 +1,7 @@
 """Team problems given as PDDL, whatever their domain."""
 
 from dataclasses import dataclass
+from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,13 @@ from explicable.evaluation.trials.plans import PLANNERS, Knowledge
 from explicable.evaluation.trials.training import JUDGING, PLAYING, draw_participants, find_family, train
 from explicable.execution import judge, prepare, simulate, simulate_study
 from explicable.model.grounding import ground_team
+from explicable.model.team import TeamProblem
 from explicable.pddl import read_team_problem
 from explicable.planning import HumanModel
 
 FILES = ("domain.pddl", "problem.pddl", "human-domain.pddl", "human-problem.pddl")
+BUILTIN = ("rover-survey", "warehouse")
+"""Team problems of the package; docs and examples show them at work."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +26,8 @@ class Settings:
 
     Parameters
     ----------
-    folder
-        Where `FILES` are, seen from where the command is run.
+    problem
+        One of `BUILTIN`, or the folder where `FILES` are, seen from where the command is run.
     family
         Of all participants.
     num_traces
@@ -36,7 +40,7 @@ class Settings:
         Which planners, see `explicable.evaluation.trials.plans.PLANNERS`.
     """
 
-    folder: str = ""
+    problem: str = "rover-survey"
     family: str = "mission"
     num_traces: int = 8
     num_judges: int = 3
@@ -46,7 +50,7 @@ class Settings:
 
 def measure(settings: Settings, seed: Seed) -> list[Row]:
     """Learn from participants' games, plan for the same problem, let others judge: one row a plan."""
-    problem = read_team_problem(*(Path(settings.folder) / name for name in FILES))
+    problem = _read(settings.problem)
     team, setting = ground_team(problem), prepare(problem)
     family = find_family(settings.family)
     chance = int(np.random.default_rng(seed).integers(2**31))
@@ -68,7 +72,7 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
             counts.append([who.name, sum(labels), len(labels)])
         rows.append(
             {
-                "map": Path(settings.folder).name,
+                "map": Path(settings.problem).name,
                 "plan": name,
                 "outcome": game.ending.value if name == "participants" else searches[name].outcome.value,
                 "cost": team.task.execute(actions).cost,
@@ -80,3 +84,11 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
             }
         )
     return rows
+
+
+def _read(name: str) -> TeamProblem:
+    """Read a team problem of the package or of a folder."""
+    if name not in BUILTIN:
+        return read_team_problem(*(Path(name) / file for file in FILES))
+    with resources.as_file(resources.files("explicable.evaluation") / "domains" / name) as folder:
+        return read_team_problem(*(folder / file for file in FILES))

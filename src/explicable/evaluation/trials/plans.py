@@ -17,11 +17,12 @@ from explicable.evaluation.trials.training import (
     find_family,
     held_out,
     label_plans,
+    read_study,
     train,
     training_traces,
 )
 from explicable.execution import Participant, Setting, StudyWay, judge, prepare, simulate
-from explicable.labelling import Labeller
+from explicable.labelling import Labeller, Trace
 from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
 from explicable.model.plan import format_action
@@ -42,6 +43,9 @@ class Settings:
         Of the participants whose traces the labeller learns from.
     judges
         Family of those who judge the plans; empty: the same.
+    traces
+        A file of a study's traces to learn from, in the place of simulated participants'; those of problems
+        that are planned for stand for participants' own plans.
     num_traces
         To learn from.
     way
@@ -68,6 +72,7 @@ class Settings:
     semantics: Literal["persistent", "exclusive"] = "persistent"
     family: str = "myopic"
     judges: str = ""
+    traces: str = ""
     num_traces: int = 34
     way: StudyWay = "commanded"
     num_own_plans: int = 0
@@ -85,6 +90,8 @@ class Settings:
         if unknown:
             raise UsageError(f"unknown plans {', '.join(sorted(unknown))}; known are {', '.join(PLANNERS)}")
         find_family(self.family)
+        if self.traces and (self.noise >= 0 or self.num_own_plans):
+            raise UsageError("noise and own plans are for simulated participants, not for a file of traces")
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,9 +133,11 @@ PLANNERS: dict[str, Planner] = {
 
 def measure(settings: Settings, seed: Seed) -> list[Row]:
     """Train, plan for each map with each planner, and have the plans judged: one row a plan."""
-    traces = training_traces(
-        seed, settings.family, settings.semantics, settings.num_traces, settings.noise, settings.way
-    )
+    problems = list(held_out(seed, settings.semantics, settings.num_maps))
+    if settings.traces:
+        traces, games = read_study(settings.traces, problems)
+    else:
+        traces, games = _simulated_traces(settings, seed), {}
     labeller = train(traces, settings.symbols, settings.num_copies)
     if settings.num_own_plans:
         own = label_plans(seed, settings.family, settings.semantics, labeller, settings.num_own_plans)
@@ -136,8 +145,22 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
     known = Knowledge(labeller, HumanModel.learn(traces), settings.alpha)
     judges = draw_participants(seed, settings.judges or settings.family, settings.num_judges)
     player, *_ = draw_participants((seed[0], seed[1] + 2**20), settings.judges or settings.family, 1)
-    places = (_Place(seed, held, judges) for held in held_out(seed, settings.semantics, settings.num_maps))
-    return [_row(settings, place, name, known, player) for place in places for name in settings.plans]
+    rows = []
+    for held in problems:
+        place = _Place(seed, held, judges)
+        for name in settings.plans:
+            if name != "participants":
+                rows.append(_planned(settings, place, name, known))
+                continue
+            played = games.get(held.name, []) if settings.traces else [place.play(player)]
+            rows += [_played(settings, place, trace, known) for trace in played]
+    return rows
+
+
+def _simulated_traces(settings: Settings, seed: Seed) -> list[Trace]:
+    return training_traces(
+        seed, settings.family, settings.semantics, settings.num_traces, settings.noise, settings.way
+    )
 
 
 class _Place:
@@ -152,6 +175,10 @@ class _Place:
     def chance(self, stream: int, number: int = 0) -> np.random.Generator:
         return np.random.default_rng((*self.seed, stream, self.held.number, number))
 
+    def play(self, player: Participant) -> Trace:
+        """Return a simulated participant's game."""
+        return simulate(self.setting, player, self.chance(PLAYING)).trace
+
     def judged(self, actions: Sequence[GroundAtom]) -> list[list[Any]]:
         """Return name, explicable robot steps, and robot steps, by judge."""
         counts = []
@@ -162,23 +189,30 @@ class _Place:
         return counts
 
 
-def _row(settings: Settings, place: _Place, name: str, known: Knowledge, player: Participant) -> Row:
-    row: Row = {"map": place.held.name, "plan": name}
-    if name == "participants":
-        trace = simulate(place.setting, player, place.chance(PLAYING)).trace
-        actions = trace.actions
-        labels = [step.is_explicable for step in trace.steps if step.is_explicable is not None]
-        row |= {"outcome": "solved", "own_labels": [player.name, sum(labels), len(labels)]}
-    else:
-        found = PLANNERS[name](place.team, known)
-        row |= {"outcome": found.outcome.value, "search_s": round(found.search_s, 6)}
-        if found.plan is None:
-            return row
-        actions = found.plan.actions
-        if found.objective is not None:
-            row["is_proved"] = found.lower_bound >= found.objective * (1 - 1e-6)
+def _played(settings: Settings, place: _Place, trace: Trace, known: Knowledge) -> Row:
+    """Return the row of a participant's own plan."""
+    labels = [step.is_explicable for step in trace.steps if step.is_explicable is not None]
+    row: Row = {"map": place.held.name, "plan": "participants", "outcome": "solved"}
+    row["own_labels"] = [trace.annotator, sum(labels), len(labels)]
+    return row | _scores(settings, place, trace.actions, known)
+
+
+def _planned(settings: Settings, place: _Place, name: str, known: Knowledge) -> Row:
+    """Return the row of a planner's plan."""
+    found = PLANNERS[name](place.team, known)
+    row: Row = {"map": place.held.name, "plan": name, "outcome": found.outcome.value}
+    row["search_s"] = round(found.search_s, 6)
+    if found.plan is None:
+        return row
+    if found.objective is not None:
+        row["is_proved"] = found.lower_bound >= found.objective * (1 - 1e-6)
+    return row | _scores(settings, place, found.plan.actions, known)
+
+
+def _scores(settings: Settings, place: _Place, actions: Sequence[GroundAtom], known: Knowledge) -> Row:
+    """Measure a plan, have it judged, and keep it where pictures are wanted."""
     labelled = known.labeller.label(place.features, actions)
-    row |= {
+    row: Row = {
         "cost": place.team.task.execute(actions).cost,
         "num_steps": labelled.scores.paper.num_steps,
         "num_robot_steps": labelled.scores.robot.num_steps,

@@ -11,6 +11,7 @@ from explicable.evaluation.trials.training import TESTING, train, training_trace
 from explicable.first_response import encode, generate
 from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
+from explicable.model.memory import forget_peak_memory, peak_memory_bytes
 from explicable.planning import plan_classically, plan_explicably
 
 
@@ -50,6 +51,7 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
             num_robots=settings.num_robots,
             num_hidden=None if settings.num_hidden < 0 else settings.num_hidden,
         )
+        forget_peak_memory()
         began = perf_counter()
         team = ground_team(encode(world, "exclusive"))
         ground_s = perf_counter() - began
@@ -75,14 +77,5 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
                 f"{name}_cost": None if found.plan is None else found.plan.cost,
             }
             row["outcome"] = found.outcome.value
-        rows.append(row | {"memory_bytes": _peak_memory()})
+        rows.append(row | {"memory_bytes": peak_memory_bytes()})
     return rows
-
-
-def _peak_memory() -> int:
-    """Return the most memory that this process has held so far, in bytes."""
-    import resource
-    import sys
-
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak if sys.platform == "darwin" else peak * 1024

@@ -1,12 +1,12 @@
 """What trials have in common: maps, simulated participants, and labellers trained on what these said."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from explicable.errors import UsageError
+from explicable.errors import TraceError, UsageError
 from explicable.execution import (
     Family,
     Participant,
@@ -18,7 +18,8 @@ from explicable.execution import (
 )
 from explicable.first_response import World, builtin_maps, encode, generate
 from explicable.first_response.encoding import Semantics
-from explicable.labelling import Labeller, Trace
+from explicable.labelling import Labeller, Trace, read_traces
+from explicable.labelling.traces import problem_checksum, split_traces
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
 from explicable.planning import plan_classically, plan_explicably
@@ -55,6 +56,27 @@ def training_traces(
     chance = int(np.random.default_rng((*seed, TRAINING)).integers(2**31))
     episodes = simulate_study(problems, who, num_traces=num_traces, seed=chance, way=way)
     return [episode.trace for episode in episodes]
+
+
+def read_study(path: str, held: "Sequence[HeldOutProblem]") -> tuple[list[Trace], dict[str, list[Trace]]]:
+    """Read a study's traces: those to learn from, and those of problems that no labeller may see, by name.
+
+    Raises
+    ------
+    TraceError
+        If the file is damaged, or no trace is left to learn from.
+    """
+    names = {problem_checksum(place.problem): place.name for place in held}
+    traces: list[Trace] = []
+    games: dict[str, list[Trace]] = {}
+    for checksum, found in split_traces(read_traces(path), "problem").items():
+        if checksum in names:
+            games[names[checksum]] = found
+        else:
+            traces += found
+    if not traces:
+        raise TraceError("every trace is of a problem to plan for: none is left to learn from", path=path)
+    return traces, games
 
 
 def label_plans(
