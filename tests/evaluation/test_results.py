@@ -154,7 +154,6 @@ def test_latex_escapes_what_latex_would_take_for_commands():
     assert r"FF & $\geq$ 0.8 \\" in text
 
 
-@pytest.mark.slow
 def test_a_quick_run_of_all_experiments(tmp_path):
     assert command_line(["evaluate", "--quick", "--jobs", "2", "-o", str(tmp_path)]) == 0
     page = (tmp_path / "report.html").read_text()
