@@ -218,13 +218,14 @@ def compare(problem: TeamProblem) -> Comparison:
     return Comparison(find_differences(problem), tuple(names), tuple(goals), tuple(human_actions))
 
 
-def _declared(problem: Problem) -> dict[str, tuple[str, ...]]:
+def _declared(problem: Problem) -> dict[str, dict[str, None]]:
+    """Names of each kind, in their order; large maps have tens of thousands."""
     domain = problem.domain
     return {
-        "type": tuple(domain.types),
-        "object": (*domain.constants, *problem.objects),
-        "predicate": tuple(predicate.name for predicate in domain.predicates),
-        "function": tuple(function.name for function in domain.functions),
+        "type": dict.fromkeys(domain.types),
+        "object": dict.fromkeys((*domain.constants, *problem.objects)),
+        "predicate": dict.fromkeys(predicate.name for predicate in domain.predicates),
+        "function": dict.fromkeys(function.name for function in domain.functions),
     }
 
 
