@@ -11,6 +11,7 @@ from studies import Visitor, open_study, write_study
 from explicable.cli import run
 from explicable.errors import InputError
 from explicable.model.plan import read_plan
+from explicable.study.config import resolve
 from explicable.study.materials import read_materials
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -139,6 +140,13 @@ def test_a_plan_that_can_not_be_executed_is_refused_before_anybody_comes(tmp_pat
     (tmp_path / "plan.txt").write_text("\n".join(steps[1:]))
     with pytest.raises(InputError, match=r"step \d+, .* can't be executed"):
         read_materials(tmp_path).check()
+
+
+@pytest.mark.parametrize("name", ["a\0b", "loop", "loop/map"])
+def test_what_is_no_name_of_a_file_is_refused(tmp_path, name):
+    (tmp_path / "loop").symlink_to("loop")
+    with pytest.raises(InputError, match="no name of a file"):
+        resolve(tmp_path, name)
 
 
 def test_files_outside_the_studys_folder_are_refused(tmp_path):

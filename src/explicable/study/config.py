@@ -274,7 +274,7 @@ def resolve(folder: Path, name: str) -> Path:
     Raises
     ------
     InputError
-        If the name leads out of the folder.
+        If the name leads out of the folder, or is none.
 
     Examples
     --------
@@ -282,7 +282,10 @@ def resolve(folder: Path, name: str) -> Path:
     Traceback (most recent call last):
     explicable.errors.InputError: study/study.toml: '../secret' lies outside the study's folder
     """
-    inside = (folder / name).resolve().is_relative_to(folder.resolve())
+    try:
+        inside = (folder / name).resolve().is_relative_to(folder.resolve())
+    except (ValueError, RuntimeError, OSError) as error:  # a null byte; links in a circle
+        raise InputError(f"{name!r} is no name of a file", path=folder / FILE) from error
     if not inside:
         raise InputError(f"{name!r} lies outside the study's folder", path=folder / FILE)
     return folder / name
