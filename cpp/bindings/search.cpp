@@ -76,11 +76,20 @@ bool is_to_end(const nb::callable& interrupted) {
     return nb::cast<bool>(interrupted());
 }
 
+void check_plan(const Question& question, const std::vector<OperatorId>& plan) {
+    for (const OperatorId step : plan) {
+        if (step < 0 || step >= question.task.num_operators()) throw std::invalid_argument("no such operator");
+    }
+    if (!execute_plan(question.task, question.initial, question.goal, plan)) throw std::invalid_argument("not a plan of this task");
+}
+
 SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initial,
                     const std::vector<FactId>& goal, const std::string& algorithm,
                     const std::string& heuristic, const std::string& preferred, bool lookahead, double weight,
                     std::uint64_t seed, const PathScorer* scorer, const std::string& closing, double alpha, bool ratio,
-                    double gap, const nb::object& on_better, const nb::callable& interrupted, double time_limit_s, std::optional<std::size_t> memory_limit_bytes,
+                    std::optional<std::int64_t> max_cost, const std::vector<std::vector<OperatorId>>& known_plans,
+                    double gap, const nb::object& on_better, const nb::callable& interrupted,
+                    double time_limit_s, std::optional<std::size_t> memory_limit_bytes,
                     std::optional<std::int64_t> max_evaluations) {
     check_scorer(task, scorer);
     SearchOptions options;
@@ -93,6 +102,8 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
     options.labelled = {scorer, closing_of(closing)};
     options.alpha = alpha;
     options.ratio = ratio;
+    if (max_cost) options.max_cost = *max_cost;
+    options.known_plans = known_plans;
     options.gap = gap;
     if (!on_better.is_none()) {
         options.on_better = [&on_better](double objective) {
@@ -111,17 +122,15 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
     if (task.prepared.estimated_bytes() > limits.memory_bytes) throw std::bad_alloc();
     Monitor monitor(limits, [&interrupted] { return is_to_end(interrupted); });
     const Question question(task.prepared, std::move(start), goal);
+    for (const auto& plan : known_plans) check_plan(question, plan);
     return solve(question, options, monitor);
 }
 
 // The question that a plan answers.
 Question question_of(const CoreTask& task, const std::optional<nb::bytes>& initial, const std::vector<FactId>& goal, const std::vector<OperatorId>& plan) {
     check_goal(task, goal);
-    for (const OperatorId step : plan) {
-        if (step < 0 || step >= task.num_operators()) throw nb::index_error("no such operator");
-    }
     Question question(task.prepared, initial ? state_of(task, *initial) : initial_state(task), goal);
-    if (!execute_plan(task, question.initial, goal, plan)) throw std::invalid_argument("not a plan of this task");
+    check_plan(question, plan);
     return question;
 }
 
@@ -204,7 +213,7 @@ void bind_search(nb::module_& module) {
         .def_ro("search_s", &SearchAnswer::search_s);
     module.def("search", &search, "task"_a, "initial"_a.none(), "goal"_a, nb::kw_only(), "algorithm"_a,
                "heuristic"_a, "preferred"_a, "lookahead"_a, "weight"_a, "seed"_a, "scorer"_a.none(), "closing"_a, "alpha"_a,
-               "ratio"_a, "gap"_a, "on_better"_a.none(), "interrupted"_a, "time_limit_s"_a, "memory_limit_bytes"_a.none(),
+               "ratio"_a, "max_cost"_a.none(), "known_plans"_a, "gap"_a, "on_better"_a.none(), "interrupted"_a, "time_limit_s"_a, "memory_limit_bytes"_a.none(),
                "max_evaluations"_a.none());
     module.def("eliminate_actions", &eliminated, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a);
     module.def("search_neighbourhood", &neighbouring, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a,

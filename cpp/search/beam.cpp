@@ -8,7 +8,7 @@ namespace explicable {
 
 bool search_beam(const Question& question, Closing closing, const Outlook& outlook, std::size_t width, Monitor& monitor,
                  Incumbent& best) {
-    NodeStore nodes(question.task, best.scorer, closing, best.alpha);
+    NodeStore nodes(question.task, best.scorer, closing, best.alpha, best.limits_cost());
     std::vector<std::pair<double, NodeId>> layer, next;
     std::vector<OperatorId> applicable;
     State state;
@@ -28,7 +28,7 @@ bool search_beam(const Question& question, Closing closing, const Outlook& outlo
                 const double ahead = outlook(nodes.words(arrival.node), nodes.context(arrival.node));
                 const double value = nodes.spent(arrival.node) +
                                      best.penalty({nodes.path_count(arrival.node), 0.0, nodes.path_steps(arrival.node)});
-                if (value + ahead >= best.objective - rounding) continue;
+                if (value + ahead >= best.objective - rounding || !outlook.affords(nodes.cost(arrival.node), nodes.words(arrival.node))) continue;
                 nodes.state(arrival.node, state);
                 if (question.is_goal(state)) best.offer(nodes.path(arrival.node), question);
                 next.emplace_back(value + ahead, arrival.node);

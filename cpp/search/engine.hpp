@@ -15,6 +15,7 @@
 namespace explicable {
 
 constexpr double dead_end = std::numeric_limits<double>::infinity();
+constexpr std::int64_t no_max_cost = std::numeric_limits<std::int64_t>::max();
 
 // From where, to where. The goal may differ from the task's own.
 struct Question {

@@ -84,7 +84,7 @@ bool GoalOrder::improve(Monitor& monitor, Incumbent& best, bool shuffled) {
     }
     auto parts = serialise(order, {}, 0, monitor);
     if (!parts) return monitor.stop() == Stop::none;
-    Incumbent current{best.scorer, best.alpha, best.ratio};
+    Incumbent current{best.scorer, best.alpha, best.ratio, best.max_cost};
     current.offer(plan_of(*parts), question_);
     const std::size_t n = order.size();
     for (std::size_t tried = 0, move = 0; tried < n * n; ++tried, move = (move + 1) % (n * n)) {

@@ -87,6 +87,7 @@ double Incumbent::penalty(const PathScore& score) const {
 bool Incumbent::offer(std::vector<OperatorId> candidate, const Question& question) {
     const auto executed = execute_plan(question.task, question.initial, question.goal, candidate);
     if (!executed) throw std::logic_error("the search made a plan that its task refuses");
+    if (*executed > max_cost) return false;
     double value = static_cast<double>(*executed);
     if (scorer) {
         const auto [score, charge] = score_plan(*scorer, question, candidate);

@@ -22,12 +22,14 @@ struct Incumbent {
     const PathScorer* scorer = nullptr;
     double alpha = 0.0;
     bool ratio = false;  // dist is the share of inexplicable steps, not their number
+    std::int64_t max_cost = no_max_cost;  // dearer plans are refused
     std::function<void(double)> on_better{};  // called with the objective of each better plan
 
     std::optional<std::vector<OperatorId>> plan{};
     std::int64_t cost = 0;
     double objective = std::numeric_limits<double>::infinity();
 
+    bool limits_cost() const { return max_cost < no_max_cost; }
     // Executes the plan and keeps it if it is better; throws std::logic_error if the task refuses it.
     bool offer(std::vector<OperatorId> candidate, const Question& question);
     double penalty(const PathScore& score) const;

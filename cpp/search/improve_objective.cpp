@@ -62,7 +62,7 @@ private:
     bool can_dilute_;
     Closing closing_;
 
-    Outlook make_outlook() const { return {question_, best_.ratio ? nullptr : best_.scorer, best_.alpha}; }
+    Outlook make_outlook() const { return {question_, best_.ratio ? nullptr : best_.scorer, best_.alpha, best_.max_cost}; }
     Outlook::Offer offer(Incumbent& best) const {
         return [this, &best](std::vector<OperatorId> plan) {
             best.offer(std::move(plan), question_);
@@ -91,7 +91,7 @@ private:
     bool settle(Incumbent& best, std::int32_t largest) {
         for (std::size_t size = 0; size < std::size(neighbourhoods) && neighbourhoods[size] <= largest;) {
             const double before = best.objective;
-            Outlook near(question_, nullptr, best.alpha);
+            Outlook near(question_, nullptr, best.alpha, best.max_cost);
             if (!near.prepare_near(monitor_, *best.plan, neighbourhoods[size], best.objective - rounding, offer(best)))
                 return false;
             if (!search_beam(question_, closing_, near, beam_widths[size], monitor_, best)) return false;
@@ -117,7 +117,7 @@ private:
 
     // From another plan than the best: from an order of the goals that is drawn at random.
     bool start_anew(std::uint64_t attempt) {
-        Incumbent other{best_.scorer, best_.alpha, best_.ratio};
+        Incumbent other{best_.scorer, best_.alpha, best_.ratio, best_.max_cost};
         other.offer(*best_.plan, question_);
         GoalOrder order(question_, {options_.labelled.scorer, Closing::state}, options_.seed + attempt);
         const bool goes_on = order.improve(monitor_, other, true) && settle(other, neighbourhoods[1]);

@@ -20,12 +20,13 @@ std::size_t context_width(const PathScorer* scorer) {
 
 }  // namespace
 
-NodeStore::NodeStore(const Task& task, const PathScorer* scorer, Closing closing, double price)
+NodeStore::NodeStore(const Task& task, const PathScorer* scorer, Closing closing, double price, bool limits_cost)
     : task_(task),
       scorer_(scorer),
       closing_(scorer ? closing : Closing::state),
       price_(price),
       charges_(scorer && scorer->charges()),
+      limits_cost_(limits_cost),
       packer_(task),
       registry_(packer_.num_words() + by_context()),
       contexts_(context_width(scorer)),
@@ -66,6 +67,7 @@ void NodeStore::extend(NodeId parent, OperatorId step, const Word* to) {
 
 bool NodeStore::dominates(const Rival& a, std::int64_t cost_a, const std::byte* context_a, const Rival& b,
                           std::int64_t cost_b, const std::byte* context_b) const {
+    if (limits_cost_ && cost_a > cost_b) return false;
     const double saved = spent(cost_b, context_b) - spent(cost_a, context_a);
     if (closing_ == Closing::objective) {
         return price_ > 0 ? price_ * scorer_->lead(context_a, context_b, after_) <= saved + rounding : saved >= 0;

@@ -18,12 +18,13 @@ using NodeId = std::int32_t;
 // When are two nodes the same? With `state`, there is one node a state. With `context`, nodes must also agree in the scorer's
 // closing key; among such, a node is dominated by one that costs no more and, whatever follows, has no more inexplicable steps.
 // With `context_and_length` it must have no fewer steps either: a longer path dilutes the share of inexplicable steps. With
-// `objective` a node is dominated by one whose cost + price * inexplicable steps is no higher, whatever follows.
+// `objective` a node is dominated by one whose cost + price * inexplicable steps is no higher, whatever follows; if costs are limited,
+// its cost may be no higher either.
 enum class Closing { state, context, context_and_length, objective };
 
 class NodeStore {
 public:
-    NodeStore(const Task& task, const PathScorer* scorer, Closing closing, double price = 0.0);
+    NodeStore(const Task& task, const PathScorer* scorer, Closing closing, double price = 0.0, bool limits_cost = false);
 
     NodeId add_root(const State& state, const std::byte* context = nullptr);
 
@@ -73,7 +74,7 @@ private:
     const PathScorer* scorer_;
     Closing closing_;
     double price_;
-    bool charges_;
+    bool charges_, limits_cost_;
     StatePacker packer_;
     StateRegistry registry_;  // of states, or of states with closing keys
     Rows<Node> nodes_;

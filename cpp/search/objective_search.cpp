@@ -27,7 +27,7 @@ Status ObjectiveSearch::run(Monitor& monitor, std::int64_t slice, double gap, In
 void ObjectiveSearch::file(NodeId node, Monitor& monitor, Incumbent& best) {
     ++monitor.evaluations;
     const double ahead = outlook_(nodes_.words(node), nodes_.context(node));
-    if (ahead == dead_end) return;
+    if (ahead == dead_end || !outlook_.affords(nodes_.cost(node), nodes_.words(node))) return;
     const double spent = nodes_.spent(node);
     const double penalty = best.penalty({nodes_.path_count(node), 0.0, nodes_.path_steps(node)});
     if (spent + penalty < best.objective) {

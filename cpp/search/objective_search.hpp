@@ -21,7 +21,7 @@ public:
           price_(best.ratio ? 0.0 : best.alpha),
           weight_(weight),
           outlook_(outlook),
-          nodes_(question.task, best.scorer, closing, best.alpha) {}
+          nodes_(question.task, best.scorer, closing, best.alpha, best.limits_cost()) {}
 
     // Exhausted: the best plan is optimal, to within `gap` of its objective. Paused: the slice is used up.
     Status run(Monitor& monitor, std::int64_t slice, double gap, Incumbent& best);

@@ -47,8 +47,12 @@ void StepGraph::sweep(std::vector<double>& ahead) const {
     }
 }
 
-CostToGo::CostToGo(const Question& question, const StatePacker& packer)
-    : question_(question), packer_(packer), states_(packer.num_words()) {}
+void StepGraph::reverse() {
+    for (Edge& edge : edges) std::swap(edge.from, edge.to);
+}
+
+CostToGo::CostToGo(const Question& question, const StatePacker& packer, std::int64_t max_cost)
+    : question_(question), packer_(packer), max_cost_(max_cost), states_(packer.num_words()) {}
 
 // Expands states in the order of their numbers; returns how many.
 std::int32_t CostToGo::expand(Monitor& monitor, std::int32_t limit, StepGraph& graph) {
@@ -81,7 +85,7 @@ void CostToGo::list(Monitor& monitor, std::int32_t limit) {
         heuristic_ = make_admissible(question_, "lmcut");
         return;
     }
-    graph.sweep(costs_);
+    sweep(graph);
 }
 
 void CostToGo::list_near(Monitor& monitor, const std::vector<OperatorId>& plan, std::int32_t limit) {
@@ -95,7 +99,19 @@ void CostToGo::list_near(Monitor& monitor, const std::vector<OperatorId>& plan, 
         states_.insert(from.data());
     }
     expand(monitor, std::max(limit, 2 * states_.size()), graph);
+    sweep(graph);
+}
+
+void CostToGo::sweep(StepGraph& graph) {
     graph.sweep(costs_);
+    if (max_cost_ == no_max_cost) return;
+    std::vector<double> so_far(costs_.size(), dead_end);
+    so_far[0] = 0.0;  // the initial state is listed first
+    graph.reverse();
+    graph.sweep(so_far);
+    for (std::size_t state = 0; state < costs_.size(); ++state) {
+        if (so_far[state] + costs_[state] > static_cast<double>(max_cost_)) costs_[state] = dead_end;
+    }
 }
 
 double CostToGo::operator()(const Word* words) const {
@@ -106,12 +122,13 @@ double CostToGo::operator()(const Word* words) const {
 
 std::size_t CostToGo::memory_bytes() const { return states_.memory_bytes() + costs_.capacity() * sizeof(double); }
 
-Outlook::Outlook(const Question& question, const PathScorer* scorer, double alpha)
+Outlook::Outlook(const Question& question, const PathScorer* scorer, double alpha, std::int64_t max_cost)
     : question_(question),
       scorer_(scorer && scorer->has_bounds() && (alpha > 0.0 || scorer->charges()) ? scorer : nullptr),
       alpha_(alpha),
+      max_cost_(max_cost),
       packer_(question.task),
-      cost_to_go_(question, packer_),
+      cost_to_go_(question, packer_, max_cost),
       places_(packer_.num_words() + 1),
       contexts_(padded(scorer_ ? scorer_->context_size() : 0)),
       key_(packer_.num_words() + 1) {}

@@ -28,13 +28,15 @@ public:
 
     // In: the least of what it costs to end in each place, or to leave the graph there. Out: the least of all that lies ahead.
     void sweep(std::vector<double>& ahead) const;
+    void reverse();
 };
 
 // Exact costs to the goal where all reachable states could be listed, else an admissible heuristic; or, near a plan, the exact
 // costs of going on among the states near it.
 class CostToGo {
 public:
-    CostToGo(const Question& question, const StatePacker& packer);
+    // What lies on no plan of at most `max_cost`, as far as states alone can say, is a dead end.
+    CostToGo(const Question& question, const StatePacker& packer, std::int64_t max_cost);
     // Lists states until there are more than `max_states`, or the monitor stops.
     void list(Monitor& monitor, std::int32_t max_states);
     // Lists states in the order of their distance from those of a plan. All others are dead ends from then on.
@@ -46,11 +48,13 @@ public:
 private:
     const Question& question_;
     const StatePacker& packer_;
+    std::int64_t max_cost_;
     StateRegistry states_;
     std::vector<double> costs_;
     std::unique_ptr<AdmissibleHeuristic> heuristic_;
 
     std::int32_t expand(Monitor& monitor, std::int32_t max_states, StepGraph& graph);
+    void sweep(StepGraph& graph);
 };
 
 // Lower bounds of cost + charge + alpha * inexplicable steps from a context to the goal: the scorer's bounds for single steps, summed
@@ -58,7 +62,7 @@ private:
 class Outlook {
 public:
     // Without a scorer: of the cost alone.
-    Outlook(const Question& question, const PathScorer* scorer, double alpha);
+    Outlook(const Question& question, const PathScorer* scorer, double alpha, std::int64_t max_cost = no_max_cost);
 
     // Lists contexts through which a plan may have a lower objective than `bound`. Plans found on the way are offered; the
     // answer is the new bound. Returns false if the monitor stopped.
@@ -71,6 +75,10 @@ public:
 
     // `words`: the packed state.
     double operator()(const Word* words, const std::byte* context) const;
+    // Whether a path of some cost to a state may be part of a plan of at most the greatest cost.
+    bool affords(std::int64_t cost, const Word* words) const {
+        return max_cost_ == no_max_cost || static_cast<double>(cost) + cost_to_go_(words) <= static_cast<double>(max_cost_);
+    }
     double from_start() const;
     std::size_t memory_bytes() const;
     bool is_complete() const { return is_complete_; }
@@ -80,6 +88,7 @@ private:
     const Question& question_;
     const PathScorer* scorer_;
     double alpha_;
+    std::int64_t max_cost_;
     StatePacker packer_;
     CostToGo cost_to_go_;
     StateRegistry places_;  // states with outlook keys

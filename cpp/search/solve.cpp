@@ -117,14 +117,15 @@ void polish(const Question& question, Incumbent& best) {
 
 SearchAnswer solve(const Question& question, const SearchOptions& options, Monitor& monitor) {
     SearchAnswer answer;
-    Incumbent best{options.labelled.scorer, options.alpha, options.ratio};
+    Incumbent best{options.labelled.scorer, options.alpha, options.ratio, options.max_cost};
     if (options.algorithm == "anytime") best.on_better = options.on_better;
     try {
         SearchOptions first = options;
         // A first plan is wanted soon; the search that improves it has its own way of closing nodes.
         if (options.algorithm == "anytime") first.labelled.closing = Closing::state;
         const Solver solver(question, first);
-        find_plan(question, *solver.engine(), monitor, best, answer);
+        for (const auto& plan : options.known_plans) best.offer(plan, question);
+        if (!best.plan) find_plan(question, *solver.engine(), monitor, best, answer);
         // The first plan of a labelled search was chosen for its steps, and only J can say whether fewer are better.
         const bool by_cost = options.algorithm == "default" && !options.labelled.scorer;
         if (best.plan && (by_cost || options.algorithm == "anytime")) polish(question, best);

@@ -22,6 +22,8 @@ struct SearchOptions {
     LabelledOptions labelled;
     double alpha = 0.0;  // "anytime" with a scorer minimises cost + alpha * dist
     bool ratio = false;  // dist is the share of inexplicable steps, not their number
+    std::int64_t max_cost = no_max_cost;  // of plans that "anytime" with a scorer may choose
+    std::vector<std::vector<OperatorId>> known_plans;  // to begin with, in the place of a first search
     std::function<void(double)> on_better;  // called with the objective of each better plan of "anytime"
     double gap = 0.0;    // "anytime" with a scorer ends once no plan can be better by more than this share
 };

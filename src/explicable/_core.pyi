@@ -132,6 +132,8 @@ def search(
     closing: str,
     alpha: float,
     ratio: bool,
+    max_cost: int | None,
+    known_plans: Sequence[Sequence[int]],
     gap: float,
     on_better: Callable[[float], None] | None,
     interrupted: Callable[[], bool],

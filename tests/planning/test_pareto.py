@@ -5,6 +5,7 @@ import math
 import signal
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from explicable.errors import UsageError
@@ -15,7 +16,7 @@ from explicable.labelling.labeller import Labeller
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
 from explicable.planning import choose, front, plan_explicably, plan_within_budget
-from explicable.search import Outcome
+from explicable.search import Outcome, search
 from planning.floors import PATIENCE_S, SCHEMAS, floor, judge_of_progress
 from planning.test_differences import example
 
@@ -73,16 +74,79 @@ def judge_of_both(strength):
     return Labeller(model, schemas=SCHEMAS)
 
 
+def all_points(team, labeller, max_steps):
+    """Cost and expected number of inexplicable steps of every plan of up to so many steps."""
+    for operators in all_plans(team.task, max_steps):
+        scores = labeller.label(team, [team.task.action(o) for o in operators]).scores
+        yield len(operators), len(operators) * (1 - scores.f_expected)
+
+
+def random_judge(rng):
+    """A labeller with weights by chance, so that some fronts are not convex."""
+    names = ["step: remove-obstacle", "step: move", "step: visit-room"]
+    names += [f"request: move {word}" for word in ("nearer", "farther", "no-nearer", "no-way", "no-target")]
+    rows = [[rng.uniform(-3.0, 3.0), 0.0] for _ in names]
+    pull = rng.uniform(-0.5, 1.0)
+    model = ConditionalRandomField.from_weights([True, False], names, rows, [[pull, 0], [0, pull]])
+    return Labeller(model, schemas=SCHEMAS)
+
+
+def test_the_front_holds_all_plans_to_which_none_is_preferable_between_its_corners_too():
+    rng, num_between = np.random.default_rng(4), 0
+    for text in ("@o*\n...\n", "@x*\n.o.\n...\n", "@.*\n.o.\n", "*@o\n..*\n") * 3:
+        team, labeller = floor(text, "exclusive"), random_judge(rng)
+        found = front(team, labeller, max_alpha=20.0, search_s=PATIENCE_S)
+        assert all(plan.is_proved for plan in found)
+        max_steps = min(found[0].plan.cost + 3, 9)
+        preferable = {}
+        for cost, count in sorted(all_points(team, labeller, max_steps)):
+            if cost <= found[-1].plan.cost and count < min(preferable.values(), default=math.inf) - 1e-4:
+                preferable[cost] = count
+        within = {plan.plan.cost: plan.num_inexplicable for plan in found if plan.plan.cost <= max_steps}
+        assert within == pytest.approx(preferable, abs=1e-6)
+        between = [plan for plan in found if plan.alpha_from is None]
+        num_between += len(between)
+        for plan in between:
+            assert plan.alpha_to is None
+            planned = plan_within_budget(
+                team,
+                labeller,
+                max_cost_increase=plan.plan.cost / found[0].plan.cost - 1,
+                search_s=PATIENCE_S,
+            )
+            assert planned.plan.cost == plan.plan.cost
+            least = plan_within_budget(
+                team, labeller, min_explicability=plan.explicability - 1e-6, search_s=PATIENCE_S
+            )
+            assert least.plan.cost == plan.plan.cost
+    assert num_between
+
+
+def test_what_a_limit_of_cost_leaves_no_plan_for_is_no_plan(maze):
+    cheapest = plan_explicably(*maze, alpha=0.0).plan.cost
+    assert plan_explicably(*maze, max_cost=cheapest, improve_s=PATIENCE_S).plan.cost == cheapest
+    refused = plan_explicably(*maze, max_cost=cheapest - 1)
+    assert (refused.plan, refused.outcome) == (None, Outcome.LIMIT)
+
+
+def test_a_known_plan_is_begun_with_and_must_be_one(maze):
+    team, labeller = maze
+    task, scorer = team.task, labeller.scorer(team)
+    plan = search(task, "astar").operators
+    result = search(task, "anytime", scorer=scorer, alpha=2.0, known_plan=plan, max_evaluations=0)
+    assert result.operators == plan
+    for wrong in (plan[:-1], plan[1:], (*plan, task.num_operators), (-1,)):
+        with pytest.raises(UsageError):
+            search(task, "anytime", scorer=scorer, known_plan=wrong)
+
+
 @pytest.mark.parametrize(
     ("text", "strength", "max_steps", "num_corners"),
     [("@o*\n...\n", 0.5, 8, 3), ("@o*\n...\n", 1.5, 8, 2), ("@x*\n.o.\n...\n", 1.5, 9, 3)],
 )
 def test_the_front_is_that_of_all_plans(text, strength, max_steps, num_corners):
     team, labeller = floor(text, "exclusive"), judge_of_both(strength)
-    points = set()
-    for operators in all_plans(team.task, max_steps):
-        scores = labeller.label(team, [team.task.action(o) for o in operators]).scores
-        points.add((len(operators), len(operators) * (1 - scores.f_expected)))
+    points = set(all_points(team, labeller, max_steps))
     found = front(team, labeller, max_alpha=20.0, search_s=PATIENCE_S)
     assert len(found) == num_corners
     assert all(corner.is_proved for corner in found)
@@ -118,9 +182,9 @@ def test_a_budget_chooses_from_the_front(plans):
 )
 def test_planning_within_a_budget_is_choosing_from_the_front(maze, plans, budget):
     chosen = choose(plans, **budget)
-    planned = plan_within_budget(*maze, max_alpha=20.0, search_s=PATIENCE_S, **budget)
+    planned = plan_within_budget(*maze, search_s=PATIENCE_S, **budget)
     assert planned.plan.cost == chosen.plan.cost
-    assert (planned.alpha, planned.objective) == (chosen.alpha_from, chosen.value(chosen.alpha_from))
+    assert planned.objective == pytest.approx(chosen.value(planned.alpha))
     assert planned.lower_bound == planned.objective
     assert plan_within_budget(*maze, min_explicability=1.0).outcome is Outcome.LIMIT
 

@@ -64,7 +64,7 @@ def front(
     plot_file: Path | None,
     as_json: bool,
 ) -> int:
-    """List the plans that are best at some price of an inexplicable step, the cheapest first.
+    """List the plans to which none is preferable in both cost and explicability, the cheapest first.
 
     With a budget, mark the plan that it chooses. Exit code 4 if there is no plan, 5 if none was found in
     time or none keeps to the budget.
@@ -103,12 +103,15 @@ def front(
 
 
 def describe(found: "FrontPlan") -> dict[str, Any]:
-    """What `front --json` prints of one plan; `alpha_to` is null where nothing more was asked."""
+    """What `front --json` prints of one plan.
+
+    `alpha_to` is null where nothing more was asked; both are for a plan that is best at no alpha.
+    """
     return {
         "cost": found.plan.cost,
         "num_inexplicable": found.num_inexplicable,
         "alpha_from": found.alpha_from,
-        "alpha_to": None if math.isinf(found.alpha_to) else found.alpha_to,
+        "alpha_to": found.alpha_to if found.alpha_to is not None and math.isfinite(found.alpha_to) else None,
         "is_proved": found.is_proved,
         "scores": found.labelled.scores.as_dict(),
         "plan": [format_action(action) for action in found.plan.actions],
@@ -116,15 +119,17 @@ def describe(found: "FrontPlan") -> dict[str, Any]:
 
 
 def _row(number: int, found: "FrontPlan") -> tuple[str, ...]:
-    end = "" if math.isinf(found.alpha_to) else f"{found.alpha_to:.4g}"
+    ends = [
+        f"{alpha:.4g}" if alpha is not None and math.isfinite(alpha) else ""
+        for alpha in (found.alpha_from, found.alpha_to)
+    ]
     return (
         str(number),
         str(found.plan.cost),
         str(len(found.plan)),
         f"{found.num_inexplicable:.3f}",
         f"{found.explicability:.3f}",
-        f"{found.alpha_from:.4g}",
-        end,
+        *ends,
         "yes" if found.is_proved else "no",
     )
 

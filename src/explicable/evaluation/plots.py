@@ -86,8 +86,8 @@ def _draw(draw: "Callable[[Axes], None]", kind: str, width: float, height: float
 def plot_front(plans: "Sequence[FrontPlan]", axes: "Axes", *, chosen: "FrontPlan | None" = None) -> None:
     """Plot a front: what the plans cost, and how many of their steps are expected to be inexplicable.
 
-    Each plan has its number and E[F]; between neighbours stands the alpha at which both are as good.
-    A plan that is not proved best is hollow, the one that a budget chose has a ring.
+    Each plan has its number and E[F]; between two corners stands the alpha at which both are as good. Plans
+    that are best at no alpha are small. One that is not proved best is hollow, that of a budget has a ring.
 
     Parameters
     ----------
@@ -96,18 +96,20 @@ def plot_front(plans: "Sequence[FrontPlan]", axes: "Axes", *, chosen: "FrontPlan
     chosen
         The plan that was chosen, if one was.
     """
-    costs = [found.plan.cost for found in plans]
-    counts = [found.num_inexplicable for found in plans]
+    corners = [found for found in plans if found.alpha_from is not None]
+    costs = [found.plan.cost for found in corners]
+    counts = [found.num_inexplicable for found in corners]
     axes.plot(costs, counts, color="#777777", linewidth=1.2, zorder=1)
     for number, found in enumerate(plans, start=1):
         place = (found.plan.cost, found.num_inexplicable)
         face = COLOURS[0] if found.is_proved else "white"
-        axes.plot(*place, marker="o", markersize=8, color=COLOURS[0], markerfacecolor=face, zorder=2)
+        size = 8 if found in corners else 5
+        axes.plot(*place, marker="o", markersize=size, color=COLOURS[0], markerfacecolor=face, zorder=2)
         if found is chosen:
             axes.plot(*place, marker="o", markersize=15, color="black", markerfacecolor="none", zorder=2)
         text = f"plan {number}: E[F] = {found.explicability:.2f}"
         axes.annotate(text, place, xytext=(9, 7), textcoords="offset points")
-    for left, right in pairwise(plans):
+    for left, right in pairwise(corners):
         middle = (
             (left.plan.cost + right.plan.cost) / 2,
             (left.num_inexplicable + right.num_inexplicable) / 2,

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from explicable.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from explicable.planning.affordable import plan_most_explicably
     from explicable.planning.budgets import choose, plan_within_budget
     from explicable.planning.correction import correct
     from explicable.planning.differences import Comparison, Difference, compare, find_differences
@@ -64,6 +65,7 @@ _HOMES = {
     "plan_classically": "planner",
     "plan_explicably": "planner",
     "plan_schedule": "makespan",
+    "plan_most_explicably": "affordable",
     "plan_within_budget": "budgets",
     "rank": "ranking",
     "schedule_plan": "makespan",
@@ -97,6 +99,7 @@ __all__ = [
     "plan_as_in_paper",
     "plan_classically",
     "plan_explicably",
+    "plan_most_explicably",
     "plan_schedule",
     "plan_within_budget",
     "rank",

@@ -1,49 +1,59 @@
 """Budgets in the place of alpha: at most so much dearer, or at least so explicable."""
 
 import math
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from explicable.errors import UsageError
 from explicable.model.team import TeamTask
-from explicable.planning.pareto import ROUNDING, FrontPlan, explore
-from explicable.planning.planner import TeamPlan
-from explicable.search import Outcome
+from explicable.planning.affordable import plan_most_explicably
+from explicable.planning.pareto import ROUNDING, FrontPlan
+from explicable.planning.planner import TeamPlan, plan_classically
+from explicable.search import Outcome, held_interrupt
 
 if TYPE_CHECKING:
     from explicable.labelling import Labeller
 
 
+@held_interrupt()
 def plan_within_budget(
     team_task: TeamTask,
     labeller: "Labeller",
     *,
     max_cost_increase: float | None = None,
     min_explicability: float | None = None,
-    max_alpha: float = 10.0,
     search_s: float = 1.0,
     time_limit_s: float | None = None,
     seed: int = 0,
 ) -> TeamPlan:
-    """Plan explicably with a budget in the place of alpha: `front`, then `choose`.
+    """Plan explicably with a budget in the place of alpha.
 
     Parameters
     ----------
-    max_cost_increase, min_explicability
-        As of `choose`: 0.1 for at most 10 % dearer than the cheapest, 0.9 for an expected F of at least 0.9.
-    max_alpha, search_s, time_limit_s
-        As of `front`.
+    max_cost_increase
+        0.1: the most explicable plan that is at most 10 % dearer than the cheapest.
+    min_explicability
+        0.9: the plan must have an expected ``F`` of at least 0.9; alone, the smallest limit of cost is sought
+        within which the most explicable plan has it, by bisection.
+    search_s
+        Seconds for each search, of which there are two with a limit of cost, else some more.
+    time_limit_s
+        Seconds for all of them.
 
     Returns
     -------
     TeamPlan
-        Its ``alpha`` is the least at which the plan is best. If no plan keeps to the budget, ``plan`` is None
-        and ``outcome`` is that of the search for any plan, or "limit reached".
+        The most explicable plan within the limit of cost, its objective as of `plan_most_explicably`; if that
+        is also the lower bound, the plan is proved to be the right one (with `min_explicability` alone: to be
+        the most explicable at its cost). If no plan keeps to the budget, ``plan`` is None and ``outcome`` is
+        that of the search for any plan, or "limit reached".
 
     Raises
     ------
     UsageError
-        As `front` and `choose`.
+        As `choose`.
 
     Examples
     --------
@@ -58,23 +68,72 @@ def plan_within_budget(
     3
     """
     choose((), max_cost_increase=max_cost_increase, min_explicability=min_explicability)  # refused at once
-    pool = explore(team_task, labeller, max_alpha, search_s, time_limit_s, seed)
-    plans = pool.front()
-    chosen = choose(plans, max_cost_increase=max_cost_increase, min_explicability=min_explicability)
-    if chosen is None:
-        outcome = Outcome.LIMIT if plans else pool.outcome
-        return TeamPlan(outcome, None, None, None, 0.0, pool.evaluations, pool.search_s)
-    objective = chosen.value(chosen.alpha_from)
-    return TeamPlan(
-        outcome=pool.outcome if pool.outcome is Outcome.INTERRUPTED else Outcome.SOLVED,
-        plan=chosen.plan,
-        labelled=chosen.labelled,
-        objective=objective,
-        lower_bound=objective if chosen.is_proved else 0.0,
-        evaluations=pool.evaluations,
-        search_s=pool.search_s,
-        alpha=chosen.alpha_from,
+    deadline = math.inf if time_limit_s is None else time.monotonic() + time_limit_s
+    searches: list[TeamPlan] = []
+
+    def left_s() -> float | None:
+        return None if deadline == math.inf else max(0.0, deadline - time.monotonic())
+
+    def solve(max_cost: int | None) -> TeamPlan:
+        searches.append(
+            plan_most_explicably(
+                team_task, labeller, max_cost, improve_s=search_s, time_limit_s=left_s(), seed=seed
+            )
+        )
+        return searches[-1]
+
+    cheapest_s = search_s if deadline == math.inf else min(search_s, deadline - time.monotonic())
+    cheapest = plan_classically(
+        team_task, labeller=labeller, algorithm="anytime", time_limit_s=cheapest_s, seed=seed
     )
+    searches.append(cheapest)
+    if cheapest.plan is None:
+        return cheapest
+    if max_cost_increase is not None:
+        chosen = solve(math.floor((1 + max_cost_increase) * cheapest.plan.cost + ROUNDING))
+    else:
+        chosen = _cheapest_of(solve, cheapest.plan.cost, min_explicability or 0.0, left_s)
+    if chosen.plan is None or _share(chosen) < (min_explicability or 0.0):
+        chosen = replace(chosen, outcome=Outcome.LIMIT, plan=None, labelled=None, objective=None)
+    interrupted = any(found.outcome is Outcome.INTERRUPTED for found in searches)
+    return replace(
+        chosen,
+        outcome=Outcome.INTERRUPTED if interrupted else chosen.outcome,
+        evaluations=sum(found.evaluations for found in searches),
+        search_s=sum(found.search_s for found in searches),
+    )
+
+
+def _cheapest_of(
+    solve: Callable[[int | None], TeamPlan],
+    cheapest: int,
+    min_explicability: float,
+    left_s: Callable[[], float | None],
+) -> TeamPlan:
+    """Bisect for the smallest limit of cost within which the most explicable plan is explicable enough."""
+    best = solve(None)
+    low = cheapest
+    while (
+        best.plan is not None
+        and _share(best) >= min_explicability
+        and low < best.plan.cost
+        and best.outcome is not Outcome.INTERRUPTED
+        and left_s() != 0.0
+    ):
+        limit = (low + best.plan.cost - 1) // 2
+        found = solve(limit)
+        if found.plan is not None and _share(found) >= min_explicability:
+            best = found
+        else:
+            low = limit + 1
+    return best
+
+
+def _share(found: TeamPlan) -> float:
+    """Return ``E[F]`` of a plan; 1 for one without steps."""
+    if found.plan is None or found.labelled is None or not found.plan.steps:
+        return 1.0
+    return found.labelled.scores.f_expected or 0.0
 
 
 def choose(
@@ -84,8 +143,6 @@ def choose(
     min_explicability: float | None = None,
 ) -> FrontPlan | None:
     """Choose from a front by a budget instead of an alpha.
-
-    Only plans of the front are chosen from; others, best at no alpha, may use the budget up more closely.
 
     Parameters
     ----------

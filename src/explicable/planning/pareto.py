@@ -1,9 +1,12 @@
-"""The front of cost and explicability: which plans are best at some price of an inexplicable step.
+"""The front of cost and explicability: the plans to which no other is preferable in both.
 
 ``J = cost + alpha * E[number of inexplicable steps]`` is linear in both, so its least plans over all alpha
 are the corners of the lower convex hull of all plans. They are found corner by corner: the alpha at which two
 neighbours have the same ``J`` either shows a plan that is better than both there, or that there is none
-between them (Aneja & Nair, "Bicriteria transportation problem", Management Science 25, 1979).
+between them (Aneja & Nair, "Bicriteria transportation problem", Management Science 25, 1979). Between two
+corners lie plans that are best at no alpha, and still no other is both as cheap and as explicable: they are
+found by searches for the most explicable plan of at most so much cost (the second of the two phases of Ulungu
+& Teghem, "The two phases method", Found. Computing and Decision Sci. 20, 1995).
 """
 
 import math
@@ -15,6 +18,7 @@ from typing import TYPE_CHECKING
 from explicable.errors import UsageError
 from explicable.model.plan import JointPlan
 from explicable.model.team import TeamTask
+from explicable.planning.affordable import plan_most_explicably
 from explicable.planning.planner import TeamPlan, check_alpha, plan_classically, plan_explicably
 from explicable.search import Outcome, held_interrupt
 
@@ -30,7 +34,7 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class FrontPlan:
-    """A plan that is best from one alpha to another.
+    """A plan to which no other is preferable both in cost and in explicability.
 
     Attributes
     ----------
@@ -41,18 +45,19 @@ class FrontPlan:
     num_inexplicable
         Expected number of inexplicable steps.
     alpha_from, alpha_to
-        Where it is best, in the unit of cost; the last plan's end is infinite, though no alpha above the
-        largest was looked at.
+        Where it has the least ``J``, in the unit of cost; the last plan's end is infinite, though no alpha
+        above the largest was looked at. None of both for a plan between two corners, which has it nowhere.
     is_proved
         Whether it is proved that nowhere in that range a plan is better, up to the largest alpha that was
-        looked at. If all are, the front is complete.
+        looked at; of a plan between corners, that none as cheap is more explicable. If all are, the front is
+        complete.
     """
 
     plan: JointPlan
     labelled: "LabelledPlan"
     num_inexplicable: float
-    alpha_from: float
-    alpha_to: float
+    alpha_from: float | None
+    alpha_to: float | None
     is_proved: bool
 
     @property
@@ -74,22 +79,22 @@ def front(
     time_limit_s: float | None = None,
     seed: int = 0,
 ) -> tuple[FrontPlan, ...]:
-    """Find all plans that have the least ``J`` for some alpha from 0 to `max_alpha`, the cheapest first.
+    """Find all plans that have the least ``J`` for some alpha from 0 to `max_alpha`, and those between them.
 
     Parameters
     ----------
     max_alpha
         The largest price of an inexplicable step to look at, in the unit of cost.
     search_s
-        Seconds for each of the searches, of which there are about two a plan.
+        Seconds for each of the searches, of which there are one or two a plan.
     time_limit_s
         Seconds for all of them; what is found by then is given.
 
     Returns
     -------
     tuple of FrontPlan
-        Costs rise and expected numbers of inexplicable steps fall; empty if no plan was found. After Ctrl-C
-        what was found by then.
+        The cheapest first: costs rise and expected numbers of inexplicable steps fall; empty if none was
+        found. After Ctrl-C what was found by then.
 
     Raises
     ------
@@ -151,6 +156,18 @@ def explore(
     while alphas and pool.outcome is not Outcome.INTERRUPTED and (left_s() > 0 or not pool.has_plan):
         solve(alphas[0])
         alphas = alphas[1:] if alphas[0] == SMALLEST_ALPHA else pool.unsettled(max_alpha)
+    while (
+        (max_cost := pool.next_limit()) is not None
+        and pool.outcome is not Outcome.INTERRUPTED
+        and left_s() > 0
+    ):
+        limit_s = None if deadline == math.inf else left_s()
+        pool.add_within(
+            max_cost,
+            plan_most_explicably(
+                team_task, labeller, max_cost, improve_s=search_s, time_limit_s=limit_s, seed=seed
+            ),
+        )
     return pool
 
 
@@ -163,20 +180,29 @@ class Pool:
         self.search_s = 0.0
         self._plans: dict[tuple[GroundAtom, ...], FrontPlan] = {}
         self._bounds: dict[float, float] = {}  # by alpha
+        self._most_explicable: dict[int, FrontPlan | None] = {}  # by limit of cost
 
     def add(self, found: TeamPlan, alpha: float | None = None) -> None:
         """Take a search's plan and its bound of J at an alpha; without one nothing is known of J."""
-        self.outcome = found.outcome
-        self.evaluations += found.evaluations
-        self.search_s += found.search_s
+        self._count(found)
         if alpha is not None:
             self._bounds[alpha] = found.lower_bound
-        if found.plan is not None and found.labelled is not None:
-            share = 1.0 if not found.plan.steps else found.labelled.scores.f_expected or 0.0
-            count = len(found.plan) * (1.0 - share)
-            self._plans[found.plan.actions] = FrontPlan(
-                found.plan, found.labelled, count, 0.0, math.inf, is_proved=False
-            )
+        plan = _front_plan(found)
+        if plan is not None:
+            self._plans[plan.plan.actions] = plan
+
+    def add_within(self, max_cost: int, found: TeamPlan) -> None:
+        """Take the plan found to be the most explicable of at most some cost."""
+        self._count(found)
+        plan = self._most_explicable[max_cost] = _front_plan(found)
+        if plan is not None:
+            self._plans[plan.plan.actions] = plan  # a corner after all, where corners are not proved
+
+    def _count(self, found: TeamPlan) -> None:
+        # Without an affordable plan in time, what was found before is still there.
+        self.outcome = found.outcome if found.plan or not self._plans else Outcome.SOLVED
+        self.evaluations += found.evaluations
+        self.search_s += found.search_s
 
     @property
     def has_plan(self) -> bool:
@@ -188,8 +214,30 @@ class Pool:
         alphas = [even(left, right) for left, right in pairwise(self._corners())]
         return [alpha for alpha in alphas if alpha <= max_alpha and alpha not in self._bounds]
 
+    def next_limit(self) -> int | None:
+        """Give the greatest cost within which the most explicable plan is still to be looked for."""
+        for left, right in pairwise(self._corners()):
+            limit = right.plan.cost - 1
+            while limit in self._most_explicable:
+                found = self._most_explicable[limit]
+                limit = left.plan.cost
+                if found is not None and _is_between(left, found, right):
+                    limit = found.plan.cost - 1
+            if limit > left.plan.cost:
+                return limit
+        return None
+
     def front(self) -> tuple[FrontPlan, ...]:
-        """Give the corners with the alphas at which they are best."""
+        """Give the corners with the alphas at which they are best, and the plans between them."""
+        corners = self._ranged_corners()
+        between = {
+            found.plan.cost: found
+            for found in self._most_explicable.values()
+            if found is not None and any(_is_between(left, found, right) for left, right in pairwise(corners))
+        }
+        return tuple(sorted((*corners, *between.values()), key=lambda found: found.plan.cost))
+
+    def _ranged_corners(self) -> tuple[FrontPlan, ...]:
         corners = self._corners()
         if not corners:
             return ()
@@ -221,6 +269,25 @@ class Pool:
                 corners.pop()
             corners.append(found)
         return corners
+
+
+def _front_plan(found: TeamPlan) -> FrontPlan | None:
+    """Make of a search's plan one whose place on the front is not known yet."""
+    if found.plan is None or found.labelled is None:
+        return None
+    share = 1.0 if not found.plan.steps else found.labelled.scores.f_expected or 0.0
+    is_best = found.objective is not None and found.lower_bound >= found.objective * (1 - ROUNDING)
+    return FrontPlan(
+        found.plan, found.labelled, len(found.plan) * (1.0 - share), None, None, is_proved=is_best
+    )
+
+
+def _is_between(left: FrontPlan, found: FrontPlan, right: FrontPlan) -> bool:
+    """Tell whether a plan is dearer and more explicable than one corner, and less so than the next."""
+    return (
+        left.plan.cost < found.plan.cost < right.plan.cost
+        and left.num_inexplicable - ROUNDING > found.num_inexplicable > right.num_inexplicable + ROUNDING
+    )
 
 
 def even(left: FrontPlan, right: FrontPlan) -> float:

@@ -11,7 +11,7 @@ where ``c`` is the number of inexplicable steps in ``path # rp``.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypedDict
 
 from explicable.errors import UsageError
@@ -129,6 +129,7 @@ def plan_explicably(
     max_evaluations: int | None = None,
     improve_s: float = 1.0,
     gap: float = 0.0,
+    max_cost: int | None = None,
     human_model: "HumanModel | None" = None,
     human_step_weight: float = 0.0,
     seed: int = 0,
@@ -162,6 +163,9 @@ def plan_explicably(
         Seconds for the improvement of the first plan at most; 0 for the paper's planner, which has none.
     gap
         The improvement ends once no plan can have a ``J`` that is lower by more than this share.
+    max_cost
+        Dearer plans are left out; the first plan is the cheapest then, and not that of Eq. 4, which knows no
+        limit of cost. Without a plan, "limit reached" says that none of at most this cost was found.
     human_model, human_step_weight
         What people choose, and what a plan is charged, in the unit of cost, for each nat of surprise at what
         it makes the person do: ``J`` gains ``human_step_weight * -log P(the person's part | the robots')``,
@@ -186,7 +190,12 @@ def plan_explicably(
         memory_limit_bytes=memory_limit_bytes,
         max_evaluations=max_evaluations,
     )
-    results = [search(team_task.task, algorithm, closing=closing, time_limit_s=time_limit_s, **options)]
+    if max_cost is None:
+        first = search(team_task.task, algorithm, closing=closing, time_limit_s=time_limit_s, **options)
+    else:
+        limit_s = improve_s if time_limit_s is None else min(improve_s, time_limit_s)
+        first = _cheapest(team_task, max_cost, limit_s, options)
+    results = [first]
     if results[0].outcome is Outcome.SOLVED:
         left_s = math.inf if time_limit_s is None else max(time_limit_s - results[0].search_s, 0.0)
         if max_evaluations is not None:
@@ -200,7 +209,14 @@ def plan_explicably(
                 )
             results.append(
                 search(
-                    team_task.task, "anytime", time_limit_s=limit_s, gap=gap, on_better=on_better, **options
+                    team_task.task,
+                    "anytime",
+                    known_plan=results[0].operators,
+                    max_cost=max_cost,
+                    time_limit_s=limit_s,
+                    gap=gap,
+                    on_better=on_better,
+                    **options,
                 )
             )
     charged = (human_model, human_step_weight) if human_model else None
@@ -233,6 +249,21 @@ def plan_as_in_paper(
         improve_s=0,
         seed=seed,
     )
+
+
+def _cheapest(team_task: TeamTask, max_cost: int, limit_s: float, options: "_Options") -> SearchResult:
+    """Search for the cheapest plan; a dearer one than is allowed counts as none."""
+    found = search(
+        team_task.task,
+        "anytime",
+        seed=options["seed"],
+        memory_limit_bytes=options["memory_limit_bytes"],
+        max_evaluations=options["max_evaluations"],
+        time_limit_s=limit_s,
+    )
+    if found.cost is None or found.cost <= max_cost:
+        return replace(found, is_optimal=False)  # of the cost alone
+    return replace(found, outcome=Outcome.LIMIT, operators=None, cost=None, objective=None)
 
 
 class _Options(TypedDict):

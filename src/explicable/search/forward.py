@@ -1,7 +1,7 @@
 """One function for all forward searches."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Literal
 
 from explicable import _core
@@ -36,6 +36,8 @@ def search(
     closing: Closing = "state",
     alpha: float = 0.0,
     distance: Distance = "count",
+    max_cost: int | None = None,
+    known_plan: Sequence[int] | None = None,
     gap: float = 0.0,
     on_better: Callable[[float], None] | None = None,
 ) -> SearchResult:
@@ -94,6 +96,11 @@ def search(
         it has no fewer inexplicable steps at no lower cost. ``"anytime"`` closes nodes in its own way.
     alpha, distance
         Of ``"anytime"`` with a scorer: dist is the number of inexplicable steps or their share.
+    max_cost
+        Of ``"anytime"`` with a scorer: dearer plans are not considered; the bound and the proof are of those
+        that are left. A cheap plan should be known then, since the search for a first one heeds no costs.
+    known_plan
+        Of ``"anytime"``: a plan, as operators, to begin with instead of a search for a first one.
     gap
         Of ``"anytime"`` with a scorer: enough is proved once no plan can be better by more than this share of
         the objective. 0: until the best plan is proved.
@@ -141,6 +148,7 @@ def search(
         return _UNREACHABLE
     if memory_limit_bytes is None:
         memory_limit_bytes = task.search_memory_bytes
+    known_plans = [] if known_plan is None else [_whole(task, known_plan, initial_state, goal_facts)]
     try:
         with held_interrupt() as interrupt:
             answer = _core.search(
@@ -157,6 +165,8 @@ def search(
                 closing=closing,
                 alpha=alpha,
                 ratio=distance == "ratio",
+                max_cost=max_cost,
+                known_plans=known_plans,
                 gap=gap,
                 on_better=on_better,
                 interrupted=interrupt.is_pending,
@@ -197,6 +207,19 @@ def _goal_facts(task: Task, goal: Iterable[int | GroundAtom] | None) -> tuple[li
     facts = [part for part in parts if isinstance(part, int)]
     other = task.with_goal(part for part in parts if not isinstance(part, int))
     return sorted({*facts, *other.goal}), other.goal_reachable
+
+
+def _whole(task: Task, plan: Sequence[int], initial_state: State | None, goal: Sequence[int]) -> list[int]:
+    """Complete a plan by the auxiliary operator that ends it, if one has to."""
+    whole = list(plan)
+    state = task.initial_state if initial_state is None else initial_state
+    for operator in whole:
+        if not 0 <= operator < task.num_operators or not task.is_applicable(state, operator):
+            raise UsageError("what was given as a known plan is none")
+        state = task.successor(state, operator)
+    if not task.core.holds(state, goal):
+        whole += [o for o in task.applicable(state) if not task.action(o) and task.core.adds(o) == list(goal)]
+    return whole
 
 
 def _check(
