@@ -40,7 +40,9 @@ TITLES = {
     "greedy-viterbi": "explicable, first plan, Viterbi F",
     "greedy-context": "explicable, first plan, context-aware closing",
     "explicable": "explicable",
+    "budget": "explicable, 5 % dearer at most",
     "charged": "explicable, human steps charged",
+    "ceiling": "ceiling: best to the judges, their minds known",
     "participants": "participants' own",
 }
 MIN_GAIN, MAX_EXTRA = 0.10, 0.05

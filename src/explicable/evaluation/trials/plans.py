@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from explicable.errors import UsageError
+from explicable.evaluation.ceiling import plan_for_judges
 from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.trials.training import (
     JUDGING,
@@ -28,7 +29,14 @@ from explicable.model.grounding import ground_team
 from explicable.model.plan import format_action
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
-from explicable.planning import HumanModel, TeamPlan, plan_as_in_paper, plan_classically, plan_explicably
+from explicable.planning import (
+    HumanModel,
+    TeamPlan,
+    plan_as_in_paper,
+    plan_classically,
+    plan_explicably,
+    plan_within_budget,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +68,8 @@ class Settings:
     num_maps
         Generated maps to plan for; 0: the package's four test maps.
     plans
-        Which planners, see `PLANNERS`; ``participants`` stands for a simulated participant's game.
+        Which planners, see `PLANNERS`; ``participants`` stands for a simulated participant's game,
+        ``ceiling`` for the plan that is best to the judges, were their minds known.
     alpha
         Price of an inexplicable step, in the unit of cost.
     num_judges
@@ -86,7 +95,7 @@ class Settings:
     keep_steps: bool = False
 
     def __post_init__(self) -> None:
-        unknown = set(self.plans) - {*PLANNERS, "participants"}
+        unknown = set(self.plans) - {*PLANNERS, "participants", "ceiling"}
         if unknown:
             raise UsageError(f"unknown plans {', '.join(sorted(unknown))}; known are {', '.join(PLANNERS)}")
         find_family(self.family)
@@ -103,6 +112,9 @@ class Knowledge:
     alpha: float
 
 
+EXTRA = 0.05
+"""How much dearer than the cheapest plan those with a budget may be: the paper's effect allows no more."""
+
 Planner = Callable[[TeamTask, Knowledge], TeamPlan]
 
 PLANNERS: dict[str, Planner] = {
@@ -118,6 +130,9 @@ PLANNERS: dict[str, Planner] = {
     ),
     "explicable": lambda team, known: plan_explicably(
         team, known.labeller, alpha=known.alpha, improve_s=PROOF_S
+    ),
+    "budget": lambda team, known: plan_within_budget(
+        team, known.labeller, max_cost_increase=EXTRA, search_s=PROOF_S
     ),
     "charged": lambda team, known: plan_explicably(
         team,
@@ -199,8 +214,11 @@ def _played(settings: Settings, place: _Place, trace: Trace, known: Knowledge) -
 
 def _planned(settings: Settings, place: _Place, name: str, known: Knowledge) -> Row:
     """Return the row of a planner's plan."""
+    if name == "ceiling":
+        row: Row = {"map": place.held.name, "plan": name, "outcome": "solved"}
+        return row | _scores(settings, place, plan_for_judges(place.setting, place.judges, EXTRA), known)
     found = PLANNERS[name](place.team, known)
-    row: Row = {"map": place.held.name, "plan": name, "outcome": found.outcome.value}
+    row = {"map": place.held.name, "plan": name, "outcome": found.outcome.value}
     row["search_s"] = round(found.search_s, 6)
     if found.plan is None:
         return row
