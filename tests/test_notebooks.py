@@ -35,4 +35,8 @@ def test_notebook_runs_and_draws(path, tmp_path, sockets, monkeypatch):
 
 
 def test_there_are_notebooks():
-    assert {path.stem for path in NOTEBOOKS} >= {"plan-and-draw", "train-on-your-traces"}
+    assert {path.stem for path in NOTEBOOKS} >= {
+        "analyse-a-study",
+        "plan-and-draw",
+        "train-on-your-traces",
+    }

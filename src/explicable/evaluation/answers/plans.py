@@ -318,12 +318,11 @@ def _draw_front(priced: dict[float, dict[str, list[Row]]]) -> str:
 
     def draw(axes: "Axes") -> None:
         plot_curves(curves, axes, x_label="% longer than the shortest plan", y_label="F")
+        places: dict[tuple[float, float], list[str]] = {}
         for alpha, (extra, rows) in found.items():
-            axes.annotate(
-                f"{alpha:g}",
-                (extra, estimate(labelled(rows, "f_paper")).value),
-                (4, 4),
-                textcoords="offset points",
-            )
+            share = estimate(labelled(rows, "f_paper")).value
+            places.setdefault((round(extra, 1), round(share, 2)), []).append(f"{alpha:g}")
+        for place, names in places.items():
+            axes.annotate(", ".join(names), place, (6, 6), textcoords="offset points")
 
     return to_svg(draw, width=8)

@@ -121,6 +121,8 @@ def _describe(settings: Mapping[str, Any], varying: Sequence[str]) -> str:
 
 def _words(name: str, value: Any) -> str:
     """Name one setting's value; what is negative or empty is as in other cells, and not named."""
+    if name in {"num_bootstrap", "num_copies"}:
+        return ""  # how a model was made that the kind of its symbols names
     if name == "way":
         return f"{value} play"
     if isinstance(value, str):
