@@ -83,7 +83,7 @@ class Settings:
     judges: str = ""
     traces: str = ""
     num_traces: int = 34
-    way: StudyWay = "commanded"
+    way: StudyWay = "mixed"
     num_own_plans: int = 0
     noise: float = -1.0
     symbols: Literal["lifted", "ground"] = "lifted"

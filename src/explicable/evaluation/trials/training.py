@@ -37,7 +37,7 @@ def training_traces(
     semantics: Semantics,
     num_traces: int,
     noise: float = -1.0,
-    way: StudyWay = "commanded",
+    way: StudyWay = "mixed",
 ) -> list[Trace]:
     """Let simulated participants of a family play and label the training maps.
 
@@ -46,7 +46,8 @@ def training_traces(
     noise
         Probability that a label is the wrong way round, for all participants; negative: their own.
     way
-        How they play, see `explicable.execution.simulate_study`.
+        How they play, see `explicable.execution.simulate_study`. Commanded play alone never shows a robot that
+        goes ahead unasked; under exclusive commands there is none, and the two are the same.
     """
     problems = [encode(world, semantics) for world in builtin_maps("training").values()]
     who = find_family(family)
