@@ -315,3 +315,52 @@ def test_axe_finds_no_violation_on_any_page(browser, served, scheme):
     page.goto(f"{link}nowhere")
     examine()
     context.close()
+
+
+def test_axe_finds_no_violation_where_a_visit_ends_early(browser, tmp_path):
+    extra = 'max_attempts = 1\n[recruitment]\nplatform = "mturk"'
+    folder = write_study(tmp_path / "study", tasks=REPLAY.replace("people = 5", "people = 1"), extra=extra)
+    (folder / "plan.txt").write_text(PLAN)
+    server = Server(folder, port=0)
+    with server.in_background() as link:
+        context = browser.new_context(
+            viewport={"width": 360, "height": 740}, color_scheme="dark", reduced_motion="reduce"
+        )
+        context.set_default_timeout(PATIENCE_MS)
+        page = context.new_page()
+
+        def arrive(person):
+            context.clear_cookies()
+            page.goto(f"{link}?workerId={person}&assignmentId=A-{person}&hitId=H")
+
+        def examine(text):
+            assert text in page.inner_text("main")
+            found = Axe().run(page)
+            assert found.violations_count == 0, found.generate_report()
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), page.url
+
+        page.goto(f"{link}?assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=H")
+        examine("This is a preview")
+        assert page.locator("button").count() == 0
+        arrive("W1")
+        follow(page, "button[value=no]")
+        examine("Nothing has been stored")
+        arrive("W1")
+        follow(page, "button[value=yes]")
+        page.click("summary")
+        follow(page, "button[value=leave]")
+        examine("You have left the study")
+        arrive("W2")
+        follow(page, "button[value=yes]")
+        follow(page, "main button")
+        play(page, *by_mouse(page))
+        follow(page, "#finished a")
+        page.check("input[value=now]")
+        follow(page, "main button")
+        examine("not right often enough")
+        arrive("W3")
+        follow(page, "button[value=yes]")
+        arrive("W4")
+        follow(page, "button[value=yes]")
+        examine("Everybody whom we need has taken part")
+        context.close()
