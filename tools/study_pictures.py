@@ -6,10 +6,27 @@ from pathlib import Path
 
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from explicable.cli import run
 from explicable.study.folder import make_folder
 from explicable.study.serving import Server
 
 IMAGES = Path(__file__).parents[1] / "docs" / "images" / "study"
+EXAMPLE = Path(__file__).parents[1] / "examples" / "warehouse"
+REPLAY = """
+[places]
+at = "1 in 2"
+stored = "1 in 2"
+carries = "2 in 1"
+
+[[task]]
+name = "monday"
+domain = "domain.pddl"
+problem = "problem.pddl"
+human_domain = "human-domain.pddl"
+human_problem = "human-problem.pddl"
+plan = "plan.txt"
+picture = "places"
+"""
 WIDTHS = {"wide": (1100, 760), "narrow": (360, 740)}
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"]
 
@@ -27,8 +44,8 @@ def until(page: Page, condition: str) -> None:
 
 
 def play(page: Page, width: str, name: str) -> None:
-    """Play the task that is shown, and photograph it once on the way."""
-    is_due = True
+    """Play the task that is shown, and photograph it once on the way where it has a name."""
+    is_due = bool(name)
     while True:
         until(page, "isFinished || (!pending && ['question', 'waiting'].includes(view.phase))")
         if page.evaluate("isFinished"):
@@ -79,8 +96,49 @@ def visit(browser: Browser, link: str, password: str, width: str, scheme: str) -
     page.close()
 
 
+def make_replay(folder: Path) -> None:
+    """Write a study in which a plan of the warehouse example is watched, for Mechanical Turk."""
+    make_folder(folder)
+    names = ("domain", "problem", "human-domain", "human-problem")
+    for name in names:
+        shutil.copy(EXAMPLE / f"{name}.pddl", folder)
+    paths = [str(folder / f"{name}.pddl") for name in names]
+    human = ["--human-domain", paths[2], "--human-problem", paths[3]]
+    if run(["plan", *paths[:2], *human, "-o", str(folder / "plan.txt")]):
+        raise SystemExit("the example can't be planned for")
+    file = folder / "study.toml"
+    text = file.read_text().partition("[[task]]")[0].replace('platform = "plain"', 'platform = "mturk"')
+    file.write_text(text.replace("step_s = 1.0", "step_s = 0.0") + REPLAY)
+
+
+def visit_replay(browser: Browser, link: str, width: str, scheme: str) -> None:
+    """Photograph the preview, a replay, and how a visit ends early."""
+    sizes = {"width": WIDTHS[width][0], "height": WIDTHS[width][1]}
+    page = browser.new_page(viewport=sizes, color_scheme=scheme, reduced_motion="reduce")  # type: ignore[arg-type]
+    page.goto(f"{link}?assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=H")
+    photograph(page, f"preview-{width}")
+    page.goto(link)
+    page.click("button[value=no]")
+    photograph(page, f"declined-{width}")
+    page.goto(link)
+    page.click("button[value=yes]")
+    page.click("main button")
+    play(page, width, "")
+    page.click("#finished a")
+    page.get_by_text("the building before it was damaged").click()
+    page.get_by_text("to visit all marked rooms in few steps").click()
+    page.click("main button")
+    until(page, "mustStart()")
+    page.click("#start")
+    play(page, width, "replay")
+    page.click("summary")
+    page.click("button[value=leave]")
+    photograph(page, f"ended-{width}")
+    page.close()
+
+
 def main() -> None:
-    """Serve a study as `init` writes it, and walk through it."""
+    """Serve a study as `init` writes it, and one of replays, and walk through them."""
     IMAGES.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as name, sync_playwright() as playwright:
         folder = Path(name)
@@ -98,6 +156,10 @@ def main() -> None:
         with server.in_background() as link:
             visit(browser, link, password, "wide", "light")
             visit(browser, link, password, "narrow", "dark")
+        make_replay(folder / "replay")
+        with Server(folder / "replay", port=0).in_background() as link:
+            visit_replay(browser, link, "wide", "light")
+            visit_replay(browser, link, "narrow", "dark")
         browser.close()
 
 

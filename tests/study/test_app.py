@@ -153,6 +153,16 @@ def test_who_was_silent_for_too_long_gives_the_place_back(tmp_path, monkeypatch)
     assert sorted(row["stage"] for row in rows(tmp_path, tables.SESSIONS)) == ["returned", "tasks"]
 
 
+def test_who_leaves_from_a_page_of_what_is_done_has_left(client, tmp_path):
+    visitor = Visitor(client).reach_tasks()
+    task = visitor.look()
+    visitor.play()
+    for _ in range(2):
+        visitor.page = task  # its last picture is still shown, and the button below it
+        assert "You have left the study" in visitor.submit(decision="leave").text
+    assert {row["stage"] for row in rows(tmp_path, tables.SESSIONS)} == {"returned"}
+
+
 def test_places_are_free_again_as_soon_as_the_researcher_looks(tmp_path, capsys):
     folder = write_study(tmp_path, extra="time_limit_min = 1e-9")
     client, _, _ = open_study(folder)

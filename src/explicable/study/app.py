@@ -23,7 +23,7 @@ from explicable.study.enrolment import NoPlaceError, RepeatError, start
 from explicable.study.forms import read_form
 from explicable.study.ledger import Request
 from explicable.study.pages import Pages
-from explicable.study.protocol import ConflictError
+from explicable.study.protocol import ACTIVE, ConflictError
 from explicable.study.recruitment import Recruit, is_preview, read_parameters
 from explicable.study.security import SESSION_COOKIE, Guard, Keys, Limiter
 from explicable.study.server import Server
@@ -214,7 +214,8 @@ def _page_routes(server: Server) -> APIRouter:
         form = await read_form(request)
         session = server.own_session(request, form.get("token"))
         standing = await server.read(lambda tx: server.conduct.standing(tx, session))
-        if standing.stage.value != form.get("stage"):
+        is_leaving = form.get("decision") == "leave" and standing.stage in ACTIVE
+        if standing.stage.value != form.get("stage") and not is_leaving:
             return RedirectResponse("/session", 303)  # sent twice, or from another tab: go on from here
         event, answers = pages.read_form(standing, form)
         asked = Request(pages.request_id(form), time.time())
