@@ -166,17 +166,7 @@ def ancestors(types: Mapping[str, tuple[str, ...]]) -> dict[str, frozenset[str]]
     >>> sorted(ancestors({"truck": ("vehicle",), "vehicle": ("object",)})["truck"])
     ['object', 'truck', 'vehicle']
     """
-    found = {"object": frozenset(("object",))}
-    for name, parents in types.items():
-        above = {name, "object"}
-        pending = list(parents)
-        while pending:
-            parent = pending.pop()
-            if parent not in above:
-                above.add(parent)
-                pending.extend(types[parent])
-        found[name] = frozenset(above)
-    return found
+    return {name: _upwards(types, (name,)) for name in ("object", *types)}
 
 
 def supertypes(domain: Domain, types: Iterable[str]) -> frozenset[str]:
@@ -188,5 +178,14 @@ def supertypes(domain: Domain, types: Iterable[str]) -> frozenset[str]:
     >>> sorted(supertypes(domain, ["truck"]))
     ['object', 'truck', 'vehicle']
     """
-    above = ancestors(domain.types)
-    return frozenset({"object"}).union(*(above.get(name, frozenset({name})) for name in types))
+    return _upwards(domain.types, types)
+
+
+def _upwards(types: Mapping[str, tuple[str, ...]], names: Iterable[str]) -> frozenset[str]:
+    above, pending = {"object"}, list(names)
+    while pending:
+        name = pending.pop()
+        if name not in above:
+            above.add(name)
+            pending.extend(types.get(name, ()))
+    return frozenset(above)
