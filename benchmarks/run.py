@@ -175,7 +175,7 @@ def _kept(path: Path) -> Iterator[TextIO]:
     help="The peers' environment.",
 )
 @click.option(
-    "--records", type=click.Path(path_type=Path), default=ROOT / "build" / "benchmarks" / "records.jsonl"
+    "--records", type=click.Path(path_type=Path), default=HERE / "records" / "benchmarks.jsonl"
 )
 @click.option("--page", type=click.Path(path_type=Path), default=ROOT / "docs" / "benchmarks.md")
 def main(
