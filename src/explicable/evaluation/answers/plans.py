@@ -105,10 +105,8 @@ def _answers(effects: Sequence[_Effect]) -> Iterator[str]:
     """Say of each planner in how many cells each part of the paper's effect is reached."""
     for name in dict.fromkeys(effect.name for effect in effects):
         mine = [effect for effect in effects if effect.name == name]
-        above_ff, above_own = (
-            [sum(gains(effect)[who].value >= least for effect in mine) for who in (0, 1)]
-            for gains, least in ((lambda e: e.over_ff, MIN_GAIN), (lambda e: e.over_own, 0.0))
-        )
+        above_ff = [sum(effect.over_ff[who].value >= MIN_GAIN for effect in mine) for who in (0, 1)]
+        above_own = [sum(effect.over_own[who].value >= 0.0 for effect in mine) for who in (0, 1)]
         num_short = sum(effect.extra.value <= MAX_EXTRA for effect in mine)
         cells = f"of {len(mine)} cell{'s' if len(mine) > 1 else ''}"
         yield (
