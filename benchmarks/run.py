@@ -174,9 +174,7 @@ def _kept(path: Path) -> Iterator[TextIO]:
     default=ROOT / ".venv-bench",
     help="The peers' environment.",
 )
-@click.option(
-    "--records", type=click.Path(path_type=Path), default=HERE / "records" / "benchmarks.jsonl"
-)
+@click.option("--records", type=click.Path(path_type=Path), default=HERE / "records" / "benchmarks.jsonl")
 @click.option("--page", type=click.Path(path_type=Path), default=ROOT / "docs" / "benchmarks.md")
 def main(
     tasks: Path | None,

@@ -46,8 +46,8 @@ def training_traces(
     noise
         Probability that a label is the wrong way round, for all participants; negative: their own.
     way
-        How they play, see `explicable.execution.simulate_study`. Commanded play alone never shows a robot that
-        goes ahead unasked; under exclusive commands there is none, and the two are the same.
+        How they play, see `explicable.execution.simulate_study`. Commanded play alone never shows a robot
+        that goes ahead unasked; under exclusive commands there is none, and the two are the same.
     """
     problems = [encode(world, semantics) for world in builtin_maps("training").values()]
     who = find_family(family)
