@@ -277,8 +277,8 @@ def _draw_judged(cells: _Cells) -> str:
         cell: {TITLES[name]: estimate(judged(rows, all_steps=False)) for name, rows in plans.items()}
         for cell, plans in cells.items()
     }
-    height = 1.2 + 0.8 * len(groups)
-    return to_svg(lambda axes: plot_intervals(groups, axes, label="F_robot, judged"), width=8, height=height)
+    height = 1.2 + 0.16 * sum(map(len, groups.values()))
+    return to_svg(lambda axes: plot_intervals(groups, axes, label="F_robot, judged"), width=9, height=height)
 
 
 def _draw_power(cells: _Cells) -> str:
