@@ -13,6 +13,12 @@ namespace explicable {
 
 inline constexpr std::size_t kLanes = 8;
 
+inline void prefetch_line([[maybe_unused]] const void* address) {
+#if defined(__SSE2__)
+    _mm_prefetch(static_cast<const char*>(address), _MM_HINT_T0);
+#endif
+}
+
 #if defined(__SSE2__)
 
 class Lanes {

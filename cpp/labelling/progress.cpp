@@ -43,7 +43,7 @@ void TeamTables::measure_requests(const Measure& measure) {
             if (std::ranges::find(fulfils[op], static_cast<std::int32_t>(request)) != fulfils[op].end())
                 progress = {Progress::kDone, Progress::kDone};
             toward_request_[static_cast<std::size_t>(op) * width + request] = static_cast<std::uint8_t>(
-                static_cast<int>(progress[0]) * kNumProgress + static_cast<int>(progress[1]));
+                static_cast<unsigned>(progress[0]) << 4 | static_cast<unsigned>(progress[1]));
         }
     }
 }
@@ -92,6 +92,10 @@ void TeamTables::measure_goals(const Measure& measure) {
         steps_[op].from = place_of(used_up(measure.composite, op));
         steps_[op].to = place_of({adds_[op].begin(), adds_[op].end()});
     }
+    const auto models_agree = [&](std::int32_t place) {
+        return std::equal(row(place, Model::kMental), row(place, Model::kMental) + width, row(place, Model::kOwn));
+    };
+    for (auto& step : steps_) step.models_agree = models_agree(step.from) && models_agree(step.to);
     if (count <= kMaxTourGoals && steps_.size() <= kMaxRemembered >> count)
         remembered_ = std::make_unique<std::atomic<std::uint16_t>[]>(steps_.size() << count);
 }
@@ -146,8 +150,10 @@ GoalProgress TeamTables::toward_goals(OperatorId step, const OpenGoals& open) co
 }
 
 GoalProgress TeamTables::look_toward_goals(OperatorId step, const OpenGoals& open) const {
-    for (const auto goal : achieves[step])
-        if (open.is_open(goal)) return {Progress::kDone, Progress::kDone, Progress::kDone};
+    const TeamStep& looked_at = (*this)[step];
+    if (looked_at.achieves)
+        for (const auto goal : achieves[step])
+            if (open.is_open(goal)) return {Progress::kDone, Progress::kDone, Progress::kDone};
     const Distance* const closed = open.closed();
     const auto nearest = [closed, width = width_](const Distance* distance) {
         Lanes least(kNoWay);
@@ -155,11 +161,11 @@ GoalProgress TeamTables::look_toward_goals(OperatorId step, const OpenGoals& ope
             least = least.min(Lanes(distance + goal) | Lanes(closed + goal));
         return least.least();
     };
-    const auto* const from = row((*this)[step].from, Model::kMental);
-    const auto* const to = row((*this)[step].to, Model::kMental);
+    const auto* const from = row(looked_at.from, Model::kMental);
+    const auto* const to = row(looked_at.to, Model::kMental);
     GoalProgress progress{};
     progress.mental = judge(nearest(from), nearest(to));
-    progress.own = judge(nearest(from + width_), nearest(to + width_));
+    progress.own = looked_at.models_agree ? progress.mental : judge(nearest(from + width_), nearest(to + width_));
     if (goals.size() > kMaxTourGoals) {
         progress.mission = progress.mental;
         return progress;

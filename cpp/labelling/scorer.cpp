@@ -56,6 +56,7 @@ void Scorer::walk(Context& context, Labels& labels, const State& state, std::spa
     if (!relaxed_plan.empty()) {
         OpenGoals goals(tables_->goals.size());
         read_goals(task_, *tables_, state, goals);
+        for (const auto step : relaxed_plan) tables_->prefetch(step, context.situation.request(), goals);
         for (const auto step : relaxed_plan) {
             if ((*tables_)[step].schema < 0) continue;
             advance(context, labels, step, goals);
@@ -75,7 +76,7 @@ PathScore Scorer::score(const std::byte* node, const State& state, std::span<con
         walk(context, context.chain, state, relaxed_plan);
         return {context.chain.count[static_cast<std::size_t>(context.chain.odds > 0)], 0, context.num_steps};
     }
-    Tally<2> tally(context.chain);
+    auto tally = tally_of<2>(context.chain);
     walk(context, tally, state, relaxed_plan);
     if (context.num_steps == 0) return {0, 0, 0};
     return {tally.mean(), tally.variance(), context.num_steps};
@@ -84,7 +85,7 @@ PathScore Scorer::score(const std::byte* node, const State& state, std::span<con
 double Scorer::count(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) const {
     if (!expected_) return score(node, state, relaxed_plan).num_inexplicable;
     Context context = read(node);
-    Tally<1> tally(context.chain);
+    auto tally = tally_of<1>(context.chain);
     walk(context, tally, state, relaxed_plan);
     return context.num_steps == 0 ? 0 : tally.mean();
 }

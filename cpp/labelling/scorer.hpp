@@ -11,6 +11,7 @@
 
 #include "labelling/feature_weights.hpp"
 #include "labelling/human_choices.hpp"
+#include "labelling/tally.hpp"
 #include "labelling/team_tables.hpp"
 #include "search/path_scorer.hpp"
 
@@ -88,19 +89,6 @@ private:
         std::array<double, 2> variance{};
         bool is_empty = true;
     };
-    // The same without a division a step: for each label of the last step its weight, and that weight times the mean of each
-    // power of the count (beyond what a path is expected to have, for precision). Only ratios count, so all may be scaled.
-    template <int kPowers>
-    struct Tally {
-        explicit Tally(const Chain& chain);
-        double mean() const { return start + total(1) / total(0); }
-        double variance() const;
-        double total(std::size_t power) const { return moment[power][0] + moment[power][1]; }
-
-        std::array<std::array<double, 2>, kPowers + 1> moment{};
-        double start;
-        bool is_empty;
-    };
     // What the equal arguments of a step and the step before add to the scores of the two.
     struct Equalities {
         double of_step = 0, of_last = 0;
@@ -144,7 +132,13 @@ private:
     void append_best(Chain& chain, bool is_human, double score) const;
     void append_expected(Chain& chain, bool is_human, double score) const;
     template <int kPowers>
-    void append(Tally<kPowers>& tally, bool is_human, double score) const;
+    void append(Tally<kPowers>& tally, bool is_human, double score) const {
+        tally.append(factors_, is_human, score);
+    }
+    template <int kPowers>
+    static Tally<kPowers> tally_of(const Chain& chain) {
+        return {chain.odds, chain.count, chain.variance, chain.is_empty};
+    }
     bool is_human(OperatorId step) const { return (*tables_)[step].is_human; }
     std::size_t schema_of(OperatorId step) const {
         return step < 0 ? num_schemas_ : static_cast<std::size_t>((*tables_)[step].schema);

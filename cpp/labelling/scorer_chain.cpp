@@ -1,5 +1,4 @@
 // What a scorer keeps of the labels of a path: the forward pass and Viterbi's, one step at a time.
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -64,57 +63,5 @@ void Scorer::append_expected(Chain& chain, bool is_human, double score) const {
     chain.count = mean;
     chain.variance = variance;
 }
-
-template <int kPowers>
-Scorer::Tally<kPowers>::Tally(const Chain& chain)
-    : start((1 - chain.odds) * chain.count[0] + chain.odds * chain.count[1]), is_empty(chain.is_empty) {
-    for (std::size_t label = 0; label < 2; ++label) {
-        const double weight = label == 1 ? chain.odds : 1 - chain.odds, beyond = chain.count[label] - start;
-        moment[0][label] = weight;
-        moment[1][label] = weight * beyond;
-        if constexpr (kPowers > 1) moment[2][label] = weight * (chain.variance[label] + beyond * beyond);
-    }
-}
-
-template <int kPowers>
-double Scorer::Tally<kPowers>::variance() const {
-    const double beyond = total(1) / total(0);
-    return std::max(total(2) / total(0) - beyond * beyond, 0.0);
-}
-
-// The forward pass once more. Nothing overflows, since no factor exceeds 1; nothing vanishes, since it is scaled up in time.
-template <int kPowers>
-void Scorer::append(Tally<kPowers>& tally, bool is_human, double score) const {
-    auto& moment = tally.moment;
-    if (tally.is_empty)
-        moment[0] = {1, 1};
-    else
-        for (auto& [explicable, other] : moment) {
-            const double before = explicable;
-            explicable = before * factors_[0][0] + other * factors_[1][0];
-            other = before * factors_[0][1] + other * factors_[1][1];
-        }
-    tally.is_empty = false;
-    if (is_human) {
-        for (auto& of_labels : moment) of_labels[1] = 0;
-    } else {
-        // One more is inexplicable: (c + 1)^2 = c^2 + 2 c + 1.
-        if constexpr (kPowers > 1) moment[2][1] += 2 * moment[1][1] + moment[0][1];
-        moment[1][1] += moment[0][1];
-        const double less = std::exp(-std::abs(score));
-        const std::array<double, 2> factor{score > 0 ? less : 1, score > 0 ? 1 : less};
-        for (auto& of_labels : moment)
-            for (std::size_t label = 0; label < 2; ++label) of_labels[label] *= factor[label];
-    }
-    const double sum = tally.total(0);
-    if (sum > 1e-30) return;
-    for (auto& of_labels : moment)
-        for (double& of_label : of_labels) of_label /= sum;
-}
-
-template struct Scorer::Tally<1>;
-template struct Scorer::Tally<2>;
-template void Scorer::append(Tally<1>&, bool, double) const;
-template void Scorer::append(Tally<2>&, bool, double) const;
 
 }  // namespace explicable

@@ -98,6 +98,7 @@ struct alignas(64) TeamStep {
     bool in_mental = false;  // the mental task has it
     bool fulfils = false;    // some request
     bool achieves = false;   // some goal
+    bool models_agree = false;  // on how far its places are from all goals
     std::int32_t from = 0, to = 0;       // places
     std::uint64_t adds = 0, deletes = 0;  // a bit for each fact, shared by many
     std::array<std::int32_t, kMaxArguments> arguments{-1, -1, -1, -1, -1, -1, -1, -1};
@@ -123,9 +124,17 @@ public:
         if (request < 0) return {Progress::kNoTarget, Progress::kNoTarget};
         const auto code = toward_request_[static_cast<std::size_t>(step) * static_cast<std::size_t>(num_requests()) +
                                           static_cast<std::size_t>(request)];
-        return {static_cast<Progress>(code / kNumProgress), static_cast<Progress>(code % kNumProgress)};
+        return {static_cast<Progress>(code >> 4), static_cast<Progress>(code & 15)};
     }
     GoalProgress toward_goals(OperatorId step, const OpenGoals& goals) const;
+    // Asks the processor to fetch what toward_request() and toward_goals() will read.
+    void prefetch(OperatorId step, int request, const OpenGoals& goals) const {
+        const auto place = static_cast<std::size_t>(step);
+        prefetch_line(steps_.data() + place);
+        if (request >= 0)
+            prefetch_line(toward_request_.data() + place * static_cast<std::size_t>(num_requests()) + static_cast<std::size_t>(request));
+        if (remembered_) prefetch_line(remembered_.get() + goals.bits() * steps_.size() + place);
+    }
     // Whether an earlier step, or -1 for none, had deleted all that `step` adds.
     bool takes_back(OperatorId step, OperatorId earlier) const {
         if (earlier < 0) return false;
@@ -160,7 +169,7 @@ private:
         return distances_.data() + (2 * static_cast<std::size_t>(place) + static_cast<std::size_t>(model)) * width_;
     }
 
-    std::vector<std::uint8_t> toward_request_;  // operator x request: both kinds of progress
+    std::vector<std::uint8_t> toward_request_;  // operator x request: both kinds of progress, four bits each
     std::vector<TeamStep> steps_;
     std::size_t width_ = 0;  // number of goals, padded to a multiple of kLanes by goals to which there is no way
     // A place is a set of facts, as far from a goal as the nearest of them. A step leads from a place to a place.

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <deque>
 #include <map>
 #include <utility>
+#include <vector>
 
 namespace explicable {
 
@@ -22,24 +22,42 @@ public:
     template <class Entries>
     void push_all(const Key& key, const Entries& entries) {
         if (entries.empty()) return;
-        auto& bucket = buckets_[key];
-        bucket.insert(bucket.end(), entries.begin(), entries.end());
+        Bucket& bucket = buckets_[key];
+        for (const Entry& entry : entries) bucket.push_back(entry);
         size_ += entries.size();
     }
     Entry pop() {
         const auto first = buckets_.begin();
-        const Entry entry = first->second.front();
-        first->second.pop_front();
+        const Entry entry = first->second.pop();
         if (first->second.empty()) buckets_.erase(first);
         --size_;
         return entry;
     }
     const Key& lowest() const { return buckets_.begin()->first; }
     bool empty() const { return size_ == 0; }
-    std::size_t memory_bytes() const { return size_ * sizeof(Entry) + buckets_.size() * 640; }
+    std::size_t memory_bytes() const { return size_ * sizeof(Entry) + buckets_.size() * 144; }
 
 private:
-    std::map<Key, std::deque<Entry>> buckets_;
+    // First in, first out. In a labelled search most keys have a bucket of one entry, so that is to be small.
+    class Bucket {
+    public:
+        bool empty() const { return first_ == entries_.size(); }
+        void push_back(const Entry& entry) { entries_.push_back(entry); }
+        Entry pop() {
+            const Entry entry = entries_[first_++];
+            if (2 * first_ > entries_.size() && first_ >= 64) {  // what is left moves up, each entry once on the average
+                entries_.erase(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(first_));
+                first_ = 0;
+            }
+            return entry;
+        }
+
+    private:
+        std::vector<Entry> entries_;
+        std::size_t first_ = 0;
+    };
+
+    std::map<Key, Bucket> buckets_;
     std::size_t size_ = 0;
 };
 

@@ -124,6 +124,11 @@ void RelaxedPlanner::extract_for(FactId goal) {
 std::span<const OperatorId> RelaxedPlanner::ordered_plan() {
     sort_supports();
     sorted_.clear();
+    if (!several_pieces_) {
+        for (const std::int32_t support : by_cost_) sorted_.push_back(relaxed_.owner[support]);
+        plan_.swap(sorted_);
+        return plan_;
+    }
     std::size_t layer = 0;  // where the present cost begins in sorted_
     std::int32_t layer_cost = 0;
     for (const std::int32_t support : by_cost_) {
@@ -133,7 +138,7 @@ std::span<const OperatorId> RelaxedPlanner::ordered_plan() {
         }
         const OperatorId id = relaxed_.owner[support];
         // Pieces of one operator at one cost are one execution of it.
-        if (several_pieces_ && std::find(sorted_.begin() + layer, sorted_.end(), id) != sorted_.end()) continue;
+        if (std::find(sorted_.begin() + layer, sorted_.end(), id) != sorted_.end()) continue;
         sorted_.push_back(id);
     }
     plan_.swap(sorted_);

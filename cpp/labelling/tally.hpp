@@ -1,0 +1,70 @@
+// The forward pass over a relaxed plan without a division a step: what a search computes most often.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace explicable {
+
+// For each label of the last step its weight, and that weight times the mean of each power of the number of inexplicable
+// steps (beyond `start`, for precision). Only ratios count, so all may be scaled together.
+template <int kPowers>
+class Tally {
+public:
+    // From the probability that the last label is "inexplicable", and count and variance given the last label.
+    Tally(double p, const std::array<double, 2>& count, const std::array<double, 2>& variance, bool is_empty)
+        : start_((1 - p) * count[0] + p * count[1]), is_empty_(is_empty) {
+        for (std::size_t label = 0; label < 2; ++label) {
+            const double weight = label == 1 ? p : 1 - p, beyond = count[label] - start_;
+            moment_[0][label] = weight;
+            moment_[1][label] = weight * beyond;
+            if constexpr (kPowers > 1) moment_[2][label] = weight * (variance[label] + beyond * beyond);
+        }
+    }
+
+    double mean() const { return start_ + total(1) / total(0); }
+    double variance() const {
+        const double beyond = total(1) / total(0);
+        return std::max(total(2) / total(0) - beyond * beyond, 0.0);
+    }
+
+    // `factors`: of the labels before and after, none above 1; `score`: log odds of "inexplicable", which no human step is.
+    // Nothing overflows, since no factor exceeds 1; nothing vanishes, since it is scaled up in time.
+    void append(const std::array<std::array<double, 2>, 2>& factors, bool is_human, double score) {
+        if (is_empty_)
+            moment_[0] = {1, 1};
+        else
+            for (auto& [explicable, other] : moment_) {
+                const double before = explicable;
+                explicable = before * factors[0][0] + other * factors[1][0];
+                other = before * factors[0][1] + other * factors[1][1];
+            }
+        is_empty_ = false;
+        if (is_human) {
+            for (auto& of_labels : moment_) of_labels[1] = 0;
+        } else {
+            // One more is inexplicable: (c + 1)^2 = c^2 + 2 c + 1.
+            if constexpr (kPowers > 1) moment_[2][1] += 2 * moment_[1][1] + moment_[0][1];
+            moment_[1][1] += moment_[0][1];
+            const double less = std::exp(-std::abs(score));
+            const std::array<double, 2> factor{score > 0 ? less : 1, score > 0 ? 1 : less};
+            for (auto& of_labels : moment_)
+                for (std::size_t label = 0; label < 2; ++label) of_labels[label] *= factor[label];
+        }
+        const double sum = total(0);
+        if (sum > 1e-30) return;
+        for (auto& of_labels : moment_)
+            for (double& of_label : of_labels) of_label /= sum;
+    }
+
+private:
+    double total(std::size_t power) const { return moment_[power][0] + moment_[power][1]; }
+
+    std::array<std::array<double, 2>, kPowers + 1> moment_{};  // power, label
+    double start_;
+    bool is_empty_;
+};
+
+}  // namespace explicable
