@@ -93,6 +93,11 @@ def test_plain_text_becomes_traces(steps, tmp_path):
         ("", "there is no step in it"),
         ("yes\n", "steps.txt:1: expected one step"),
         ("move r1 c-1-1 c-9-9 yes\n", "trace 1: step 1"),
+        ("? yes\n\nhello, world\n", "steps.txt:1: '?' is no action of the domain; those are command, move"),
+        (
+            "command person c-1-1 ?\nmove r1 c-1-1\n",
+            "steps.txt:2: move takes 3 objects, found 1 (the last word",
+        ),
         ("command person c-1-1 maybe\nmove r1 c-1-1 Yes\n", "steps.txt:2: 'Yes' can't be a task's name"),
     ],
 )
@@ -106,8 +111,22 @@ def test_plain_text_that_is_no_trace_is_refused(steps, tmp_path, text, message):
     assert message in done.err
 
 
-def test_a_file_without_traces_is_an_error(tmp_path):
+@pytest.mark.parametrize(
+    "arguments",
+    [["check"], ["merge", "-o", "new.jsonl"], ["split", "--by", "annotator", "-o", "parts"]],
+)
+def test_a_file_without_traces_is_an_error(place, tmp_path, arguments):  # noqa: F811
     (tmp_path / "empty.jsonl").write_text("\n")
-    done = explicable("traces", "check", tmp_path / "empty.jsonl")
+    done = explicable("traces", *arguments, place / "traces.jsonl", "empty.jsonl", cwd=tmp_path)
     assert done.code == BAD_INPUT
-    assert "there is no trace in it" in done.err
+    assert "explicable: empty.jsonl: there is no trace in it" in done.err
+    assert [path.name for path in tmp_path.iterdir()] == ["empty.jsonl"]
+
+
+def test_a_file_named_twice_counts_once_and_is_warned_of(place, tmp_path):  # noqa: F811
+    whole = place / "traces.jsonl"
+    done = explicable("traces", "merge", whole, place / "." / "traces.jsonl", "-o", tmp_path / "new.jsonl")
+    assert done.code == SOLVED
+    assert "warning: " in done.err
+    assert "named more than once" in done.err
+    assert (tmp_path / "new.jsonl").read_text() == whole.read_text()

@@ -190,11 +190,27 @@ def naming(path: Path, kind: type[InputError]) -> Iterator[None]:
         raise
 
 
-def read_labelled_traces(*files: Path) -> "list[Trace]":
-    """Read traces to learn from: at least one label must be there."""
+def read_trace_files(*files: Path) -> "list[Trace]":
+    """Read trace files, each once, with a warning where one was named again; an empty one is refused."""
     from explicable.labelling import read_traces
 
-    traces = read_traces(*files)
+    traces: list[Trace] = []
+    seen: set[Path] = set()
+    for file in files:
+        if file.resolve() in seen:
+            warn(f"{file}: named more than once; its traces count once")
+            continue
+        seen.add(file.resolve())
+        found = read_traces(file)
+        if not found:
+            raise TraceError("there is no trace in it", path=file)
+        traces += found
+    return traces
+
+
+def read_labelled_traces(*files: Path) -> "list[Trace]":
+    """Read traces to learn from: at least one label must be there."""
+    traces = read_trace_files(*files)
     if not any(step.label is not None for trace in traces for step in trace.steps):
         raise TraceError("no step has a label: there is nothing to learn from", path=files[0])
     return traces

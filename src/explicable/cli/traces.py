@@ -6,7 +6,13 @@ from typing import Literal
 import click
 
 from explicable.cli import EXIT_BAD_INPUT
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
+from explicable.cli.files import (
+    INPUT_FILE,
+    OUTPUT_FILE,
+    TeamProblemPaths,
+    read_trace_files,
+    team_problem_arguments,
+)
 from explicable.errors import TraceError
 
 trace_files = click.argument("files", metavar="TRACES...", nargs=-1, required=True, type=INPUT_FILE)
@@ -41,9 +47,9 @@ def check(files: tuple[Path, ...]) -> int:
 @click.option("-o", "--output", type=OUTPUT_FILE, required=True, help="Trace file to write.")
 def merge(files: tuple[Path, ...], output: Path) -> None:
     """Put several trace files into one."""
-    from explicable.labelling import read_traces, write_traces
+    from explicable.labelling import write_traces
 
-    write_traces(output, read_traces(*files))
+    write_traces(output, read_trace_files(*files))
 
 
 @traces.command()
@@ -58,9 +64,9 @@ def merge(files: tuple[Path, ...], output: Path) -> None:
 )
 def split(files: tuple[Path, ...], by: Literal["problem", "annotator"], output: Path) -> None:
     """Split trace files by problem or by annotator."""
-    from explicable.labelling import read_traces, split_traces, write_traces
+    from explicable.labelling import split_traces, write_traces
 
-    groups = split_traces(read_traces(*files), by)
+    groups = split_traces(read_trace_files(*files), by)
     for number, (name, group) in enumerate(groups.items(), start=1):
         path = output / f"{by}-{number:03}.jsonl"
         write_traces(path, group)

@@ -7,6 +7,7 @@ from pathlib import Path
 from explicable.errors import PlanError, TraceError, UsageError
 from explicable.labelling.records import NO_TASKS, LabelledStep, Origin, Trace
 from explicable.model.plan import parse_action
+from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
 
 UNOBSERVED = "?"
@@ -74,8 +75,9 @@ def read_plain_traces(
     Raises
     ------
     TraceError
-        If the file is not UTF-8, holds no step, or a line has no step or a label that can't be a task's name;
-        says which line. Whether steps are applicable is left to `check_traces`.
+        If the file is not UTF-8, holds no step, or a line has no step, an action or a number of objects that
+        the domain does not have, or a label that can't be a task's name; says which line. Whether steps are
+        applicable is left to `check_traces`.
 
     Examples
     --------
@@ -92,6 +94,7 @@ def read_plain_traces(
     known: dict[str, bool | None] = {UNOBSERVED: None, explicable: True, inexplicable: False}
     if len(known) < 3:
         raise UsageError("the labels for explicable, inexplicable and not asked must differ")
+    num_parameters = {schema.name: len(schema.parameters) for schema in problem.composite.domain.actions}
     traces = []
     for sequence in _sequences(path):
         steps = []
@@ -99,17 +102,35 @@ def read_plain_traces(
             try:
                 action = parse_action(f"({' '.join(words).strip('()')})")
             except PlanError as error:
-                raise TraceError(error.message, path=path, line=line) from error
+                found = " ".join([*words, label])
+                message = f"expected one step and its label, such as move r1 a b true; found {found!r}"
+                raise TraceError(message, path=path, line=line) from error
             if label not in known and label.lower() in NO_TASKS:
                 message = (
                     f"{label!r} can't be a task's name: say which labels mean explicable and inexplicable"
                 )
                 raise TraceError(message, path=path, line=line)
+            if objection := _objection(action, label, num_parameters):
+                raise TraceError(objection, path=path, line=line)
             steps.append(LabelledStep(problem.agent_of(action).name, action, known.get(label, label)))
         traces.append(Trace(problem, tuple(steps), annotator, origin))
     if not traces:
         raise TraceError("there is no step in it", path=path)
     return traces
+
+
+def _objection(action: GroundAtom, label: str, num_parameters: dict[str, int]) -> str | None:
+    """Say why a line can't be a step of the domain."""
+    name, *objects = action
+    if name not in num_parameters:
+        known = ", ".join(sorted(num_parameters))
+        return f"{name!r} is no action of the domain; those are {known}"
+    if len(objects) != num_parameters[name]:
+        return (
+            f"{name} takes {num_parameters[name]} objects, found {len(objects)}"
+            f" (the last word, {label!r}, is taken for the label)"
+        )
+    return None
 
 
 def _sequences(path: str | Path) -> Iterator[list[tuple[int, list[str]]]]:
