@@ -69,9 +69,12 @@ def test_a_record_that_does_not_replay_says_so(map_file, tmp_path):
     game = tmp_path / "game.jsonl"
     explicable("play", map_file, "-o", game, answers="a\n")
     game.write_text(game.read_text().replace('"digest": "', '"digest": "0'))
-    replayed = explicable("replay", game)
+    svg, traces = tmp_path / "game.svg", tmp_path / "traces.jsonl"
+    replayed = explicable("replay", game, "--svg", svg, "--trace", traces)
     assert replayed.returncode == 3
     assert "on record" in replayed.stderr
+    assert not svg.exists()
+    assert not traces.exists()
     game.write_text("{}")
     refused = explicable("replay", game)
     assert (refused.returncode, refused.stdout) == (3, "")

@@ -1,4 +1,5 @@
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,12 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from explicable.errors import UsageError
-from explicable.execution import prepare
+from explicable.execution import prepare, read_episode, record, replay, write_episode
 from explicable.execution.dispatch import Dispatcher
 from explicable.execution.dispatch_run import DispatchLimits
 from explicable.execution.episodes import Ending
 from explicable.execution.facts import change_state, observable_facts
 from explicable.execution.robots import (
+    Accepted,
     Fact,
     Failed,
     Finished,
@@ -27,6 +29,10 @@ from explicable.model.schedule import make_schedule
 from explicable.search import search
 
 CORRIDORS = World(("@..*", "####", "*..@"))
+
+
+def on_record(run, stage):
+    return record(run.played, stage.setting.truth.task, observable=observable_facts(stage.problem))
 
 
 class Time:
@@ -145,16 +151,56 @@ def test_a_step_that_never_succeeds_is_put_down_to_a_fact():
     assert 1 <= run.num_plans <= 4
 
 
-def test_a_robot_that_falls_silent_is_lost_and_the_others_go_on():
+def test_a_robot_that_falls_silent_is_lost_and_the_others_finish_what_they_can():
     run = Stage(encode(CORRIDORS), step_s=5.0).run()
     silent = Stage(encode(CORRIDORS), step_s=5.0)
     robot = next(member for member in silent.crew if member.name == "r1")
     robot.poll = lambda _=0.0: None
     lost = silent.run()
-    assert lost.ending is Ending.STUCK
-    assert lost.lost == {"r1"}
+    assert lost.ending is Ending.IMPOSSIBLE  # no other robot can get there
+    assert (lost.lost, lost.num_plans) == ({"r1"}, 1)
     done = {done.step.action for done in lost.steps if isinstance(done.report, Finished)}
     assert {step.step.action for step in run.steps if step.step.agent == "r2"} <= done
+
+
+@pytest.mark.parametrize("when", [0, 1, 2])
+@pytest.mark.parametrize("semantics", ["persistent", "exclusive"])
+def test_the_others_take_over_from_a_robot_that_is_lost(semantics, when):
+    problem = encode(World(("@.*", "...", "*.@")), semantics, num_people=2)
+    stage = Stage(problem, step_s=3.0)
+    robot = next(member for member in stage.crew if member.name == stage.schedule.steps[-1].step.agent)
+    robot.poll = lambda _=0.0, poll=robot.poll: poll() if stage.time() < when else None
+    robot.send = lambda order, send=robot.send: send(order) if stage.time() < when else Accepted(order.number)
+    run = stage.run()
+    assert (run.ending, run.lost) == (Ending.REACHED, {robot.name})
+    assert {agent.name for agent in problem.agents if agent.kind == "robot"} > run.lost
+    assert replay(on_record(run, stage)).differences == ()
+
+
+def test_a_person_who_is_lost_is_done_without():
+    stage = Stage(encode(CORRIDORS, num_people=2), step_s=3.0)
+    person = next(member for member in stage.crew if member.name == "person")
+    person.send = lambda order: Refused(order.number, "no tablet")
+    run = stage.run()
+    assert (run.ending, run.lost) == (Ending.REACHED, {"person"})
+    assert {done.step.agent for done in run.steps} == {"person-2", "r1", "r2"}
+
+
+def test_a_run_on_record_is_replayed_exactly(tmp_path):
+    stage = Stage(encode(World(("@.*", "...", "@.*")), num_people=2), news=[BLOCKED])
+    run = stage.run()
+    recorded = on_record(run, stage)
+    write_episode(tmp_path / "run.jsonl", recorded)
+    again = read_episode(tmp_path / "run.jsonl")
+    assert again == recorded
+    assert again.at_once
+    replayed = replay(again)
+    assert replayed.differences == ()
+    assert replayed.course.has_reached_goal
+    finished = [done.step.action for done in run.steps if isinstance(done.report, Finished)]
+    assert [step.action for step in again.trace.steps] == finished
+    false = replace(again, events=(*again.events[:8], *again.events[9:]))
+    assert replay(false).differences
 
 
 def test_a_robot_that_is_out_of_reach_for_a_while_is_waited_for():
@@ -266,3 +312,4 @@ def test_every_run_ends_and_no_illegal_step_is_sent(seed, semantics, fails, hide
     start = change_state(stage.setting.truth.stage, task.initial_state, [hidden] if hides else [])
     finished = [done.step.action for done in run.steps if isinstance(done.report, Finished)]
     assert task.execute(finished, start).states[-1] == stage.world.state
+    assert replay(on_record(run, stage)).differences == ()

@@ -10,6 +10,7 @@ import click
 from explicable.cli import EXIT_BAD_INPUT
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange, naming
 from explicable.cli.first_response import map_argument, semantics_option
+from explicable.cli.progress import working
 from explicable.errors import PlanError
 from explicable.model.files import write_whole
 from explicable.model.plan import format_action
@@ -168,19 +169,21 @@ def _planner(
 def replay(episode: Path, svg: Path | None, step_time: float, trace: Path | None, as_json: bool) -> int:
     """Play the game on record in EPISODE again, event by event, and check that the same comes of it.
 
-    Exit code 3 if it does not.
+    Exit code 3 if it does not; then neither picture nor trace is written.
     """
     from explicable.execution import read_episode
     from explicable.execution import replay as play_again
     from explicable.labelling import write_traces
 
     recorded = read_episode(episode)
-    replayed = play_again(recorded)
-    if svg is not None:
+    with working(f"playing {len(recorded.events)} events again"):
+        replayed = play_again(recorded)
+    is_true = not replayed.differences  # else nothing is made of it
+    if svg is not None and is_true:
         with naming(episode, PlanError):
             drawing = _draw(recorded, step_time)
         write_whole(svg, drawing)
-    if trace is not None:
+    if trace is not None and is_true:
         write_traces(trace, [recorded.trace])
     if as_json:
         summary = {
@@ -190,7 +193,7 @@ def replay(episode: Path, svg: Path | None, step_time: float, trace: Path | None
             "deviations": recorded.num_deviations,
             "changes": recorded.num_changes,
             "plans": len(recorded.planning_s),
-            "same": not replayed.differences,
+            "same": is_true,
             "differences": replayed.differences,
         }
         click.echo(json.dumps(summary))

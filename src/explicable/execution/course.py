@@ -4,22 +4,24 @@
 states: so a game on record can be replayed.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from explicable.errors import PlanError, UsageError
 from explicable.execution import mind as minds
 from explicable.execution.episodes import Ending, follow
-from explicable.execution.facts import change_state, correct_model, most_specific, restart_at
+from explicable.execution.facts import change_state, correct_model, most_specific, restart_at, without
 from explicable.execution.mind import Mind
 from explicable.execution.monitor import FINAL, Command, Event, IllegalEventError, State, react
 from explicable.execution.notices import Notice, Occurrence
+from explicable.execution.objections import object_to
 from explicable.execution.plans import Actions, Situation
 from explicable.execution.robots.protocol import Fact
 from explicable.execution.setting import Setting
 from explicable.labelling.records import LabelledStep
 from explicable.model.plan import format_action
 from explicable.model.problem import GroundAtom
+from explicable.model.team import TeamProblem
 
 _FAILURES = 3
 """How often a step fails before it is put down to a fact."""
@@ -32,6 +34,8 @@ class Course:
     ----------
     setting
         Where it is played.
+    at_once
+        Whether several agents may be about steps at a time.
 
     Attributes
     ----------
@@ -51,10 +55,15 @@ class Course:
         Requests made while another was under way.
     refused
         Steps of the person that were of no use; what is found out may change that.
+    lost
+        Agents that are taken to do nothing any more.
+    answers
+        Who said of which steps (by number) whether they are explicable. The label of a step is whether all
+        who answered found it so.
     """
 
-    def __init__(self, setting: Setting) -> None:
-        self.setting = setting
+    def __init__(self, setting: Setting, *, at_once: bool = False) -> None:
+        self.setting, self.at_once = setting, at_once
         self.truth = setting.truth
         self.monitor = State.DECIDING
         self.state = self.truth.task.initial_state
@@ -67,7 +76,10 @@ class Course:
         self.is_outdated = False
         self._problem, self._since, self._start = setting.problem, 0, self.state
         self._failures: dict[GroundAtom, int] = {}
-        self._under_way: GroundAtom = ()
+        self.lost: frozenset[str] = frozenset()
+        self.answers: dict[int, dict[str, bool]] = {}
+        self._under_way: dict[str, GroundAtom] = {}  # by agent
+        self._left_by: dict[str, GroundAtom] = {}  # what lost agents were about
         self._time_s = 0.0
         self._last_robot_step: int | None = None
         self._effects: dict[Command, Callable[[Notice], None]] = {
@@ -77,6 +89,8 @@ class Course:
             Command.TAKE_ROBOT_STEP: self._take_robot_step,
             Command.TAKE_PERSON_STEP: self._take_person_step,
             Command.TAKE_FACT: self._take_facts,
+            Command.DROP_AGENT: self._drop_agent,
+            Command.TAKE_AGENT_BACK: self._take_agent_back,
             Command.RECORD_ANSWER: self._record_answer,
         }
 
@@ -88,9 +102,21 @@ class Course:
         return Situation(self._problem, past, announced, self.state, self.mind.request)
 
     @property
+    def problem_from_now(self) -> TeamProblem:
+        """The team problem that begins in the present state, without the agents that are lost."""
+        truth, belief = self.truth.stage, self.setting.belief.stage
+        problem = restart_at(self.setting.problem, truth, self.state, belief, self.mind.state)
+        return without(problem, self.lost)
+
+    @property
     def step_under_way(self) -> GroundAtom:
-        """What the robot is about; empty if it is not."""
-        return self._under_way if self.monitor in (State.ACTING, State.BRIDGING) else ()
+        """What the robot is about, in games in which one step is taken at a time; empty if it is not."""
+        return () if self.at_once else next(iter(self._under_way.values()), ())
+
+    @property
+    def steps_under_way(self) -> Mapping[str, GroundAtom]:
+        """What is being done, by agent."""
+        return self._under_way
 
     @property
     def has_reached_goal(self) -> bool:
@@ -118,13 +144,15 @@ class Course:
         >>> course.occurrences[-1].refusal
         "'step finished' can't happen while 'deciding'"
         """
-        self._time_s, refusal = time_s, self._objection(notice)
+        self._time_s, refusal = time_s, object_to(self, notice)
         commands: tuple[Command, ...] = ()
         if not refusal:
             try:
                 self.monitor, commands = react(self.monitor, notice.event)
             except IllegalEventError as error:
                 refusal = str(error)
+        if not refusal and notice.event in (Event.STEP_FINISHED, Event.STEP_FAILED):
+            self._under_way.pop(self.agent_of(notice.action), None)
         for command in commands:
             if command in self._effects:
                 self._effects[command](notice)
@@ -132,8 +160,8 @@ class Course:
         return commands
 
     def allows(self, action: GroundAtom) -> bool:
-        """Whether a step is possible now."""
-        return self.truth.operator(self.state, action) is not None
+        """Whether a step is possible now, by an agent that is not lost."""
+        return self.truth.operator(self.state, action) is not None and not self._needs_lost((action,))
 
     def is_human(self, action: GroundAtom) -> bool:
         """Whether a step is a person's."""
@@ -151,9 +179,18 @@ class Course:
             return False
 
     def leads_to_goal(self, actions: Iterable[GroundAtom]) -> bool:
-        """Whether steps are possible from here, one after the other, and reach the goal."""
+        """Whether steps are possible from here, without lost agents, and reach the goal."""
+        actions = tuple(actions)
         state = self.truth.follow(self.state, actions)
-        return state is not None and self.truth.task.is_goal(state)
+        return state is not None and self.truth.task.is_goal(state) and not self._needs_lost(actions)
+
+    def _needs_lost(self, actions: Actions) -> bool:
+        """Tell whether a lost agent has a part in some steps."""
+        return bool(self.lost) and any(self.agent_of(action) in self.lost for action in actions)
+
+    def agent_of(self, action: GroundAtom) -> str:
+        """Name the agent whose step it is."""
+        return self.setting.problem.agent_of(action).name
 
     def safe_step(self) -> GroundAtom:
         """Return the robot's next step on a shortest way to what was last asked for; empty to wait."""
@@ -178,36 +215,22 @@ class Course:
             Ending.IMPOSSIBLE if last.event is Event.NO_PLAN_EXISTS else Ending(last.reason or Ending.STUCK)
         )
 
-    def _objection(self, notice: Notice) -> str:
-        """Say why a notice can't be; empty if it can."""
-        event, action = notice.event, notice.action
-        if event is Event.PERSON_COMMANDED:
-            if not self.is_step_of_person(action):
-                return f"{format_action(action)} is no step of a person of this team"
-            if not self.step_under_way and not self.allows(action):
-                return f"{format_action(action)} is not possible now"
-        if event is Event.ROBOT_NEXT and (self.is_human(action) or not self.allows(action)):
-            return f"{format_action(action)} is no step that the robot can take now"
-        if event is Event.GOAL_HOLDS and not self.has_reached_goal:
-            return "the goal does not hold"
-        if event in (Event.STEP_FINISHED, Event.STEP_FAILED) and self.step_under_way:
-            if action != self._under_way:
-                return f"{format_action(action)} is not what the robot was sent to do"
-            if event is Event.STEP_FINISHED and not self.allows(action):
-                return f"{format_action(action)} can't be done, as far as is known"
-        if event is Event.FACT_OBSERVED:
-            try:
-                change_state(self.truth.stage, self.state, notice.facts)
-            except UsageError as error:
-                return str(error)
-        if event is Event.ANSWER_GIVEN and self._asked_about(action) is None:
-            return f"there is no unanswered step {format_action(action)}"
-        if event is Event.PLAN_READY and not self.leads_to_goal(notice.plan):
-            return "the plan does not lead to the goal"
-        return ""
-
     def _begin_step(self, notice: Notice) -> None:
-        self._under_way = notice.action
+        self._under_way[self.agent_of(notice.action)] = notice.action
+
+    def _drop_agent(self, notice: Notice) -> None:
+        """Do without an agent from now on; what became of its step is unknown."""
+        if step := self._under_way.pop(notice.agent, ()):
+            self._left_by[notice.agent] = step
+        self.lost |= {notice.agent}
+        self._begin_anew()
+
+    def _take_agent_back(self, notice: Notice) -> None:
+        """Reckon with an agent again, and with the step that it was about."""
+        self.lost -= {notice.agent}
+        if step := self._left_by.pop(notice.agent, ()):
+            self._under_way[notice.agent] = step
+        self._begin_anew()
 
     def _take_robot_step(self, notice: Notice) -> None:
         self._take(notice.action)
@@ -252,22 +275,26 @@ class Course:
             if truth.follow(start, (step.action for step in self.steps[self._since :])) == self.state:
                 self._problem, self._start = correct_model(self._problem, known), start
                 return
-        # The model as it now is does not explain the past: it begins anew.
-        belief = self.setting.belief.stage
-        self._problem = restart_at(self._problem, stage, self.state, belief, self.mind.state)
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        """Let the problem begin now: as it has become, it does not explain the past."""
+        self._problem = self.problem_from_now
         self._since, self._start = len(self.steps), self.state
 
     def _record_answer(self, notice: Notice) -> None:
-        number = self._asked_about(notice.action)
-        if number is not None:
-            self.steps[number] = replace(self.steps[number], label=notice.answer)
+        number = self.asked_about(notice)
+        if number is not None and notice.answer is not None:
+            given = self.answers.setdefault(number, {})
+            given[notice.agent] = notice.answer
+            self.steps[number] = replace(self.steps[number], label=all(given.values()))
 
-    def _asked_about(self, action: GroundAtom) -> int | None:
-        """Return the number of the last robot step, if it is this one and has no answer yet."""
+    def asked_about(self, notice: Notice) -> int | None:
+        """Return the number of the last robot step, if it is this one and has no answer of theirs yet."""
         number = self._last_robot_step
-        if number is None or self.steps[number].action != action or self.steps[number].label is not None:
+        if number is None or self.steps[number].action != notice.action:
             return None
-        return number
+        return None if notice.agent in self.answers.get(number, {}) else number
 
     def _adopt_plan(self, notice: Notice) -> None:
         self.plan, self.is_outdated = notice.plan, False

@@ -71,8 +71,8 @@ class Crew:
         if report is not None:
             return self._read(report, action)
         waited_s = self._clock() - self._sent_at
-        if waited_s > 2 * self._step_s:
-            return [Notice(Event.STEP_FAILED, action, reason="the robot is lost")]
+        if waited_s > 2 * self._step_s and self._at_work is not None:
+            return [Notice(Event.AGENT_LOST, action, agent=self._at_work.name, reason="the robot is lost")]
         if waited_s > self._step_s and not self._is_cancelled:
             return [Notice(Event.TIME_PASSED, action)]
         return []

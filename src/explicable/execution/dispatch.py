@@ -3,18 +3,24 @@
 A step is sent as soon as those before it in the partial order are done and its agent is free, whatever the
 clock says: a late or failed step delays its successors, and nothing else. When what is left no longer leads
 to the goal, nothing new is sent, what is under way is waited for, and the rest is planned anew from there.
+When an agent is lost, the others finish what does not depend on it; then the rest is planned without it.
+
+What follows from each event is the `Course`'s to say, as in the closed loop: so all that happens is on
+record, and can be replayed.
 """
 
 import time
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 from explicable.errors import UsageError
-from explicable.execution import mind as minds
+from explicable.execution.course import Course
 from explicable.execution.dispatch_run import Dispatched, DispatchLimits, DispatchRun
-from explicable.execution.episodes import Ending
-from explicable.execution.facts import change_state, most_specific, restart_at
-from explicable.execution.mind import Mind
+from explicable.execution.episodes import Ending, Episode
+from explicable.execution.facts import most_specific
+from explicable.execution.monitor import FINAL, Event
+from explicable.execution.notices import Notice
 from explicable.execution.robots.door import Door
 from explicable.execution.robots.protocol import (
     Blocked,
@@ -28,7 +34,9 @@ from explicable.execution.robots.protocol import (
     Robot,
     facts_of,
 )
+from explicable.execution.runs import Run
 from explicable.execution.setting import Setting
+from explicable.labelling.records import Trace
 from explicable.model.plan import Step
 from explicable.model.problem import GroundAtom
 from explicable.model.schedule import Schedule
@@ -80,22 +88,22 @@ class Dispatcher:
         self._crew = {member.name: Door(member, setting.truth.task) for member in members}
         missing = set(schedule.agents) - set(self._crew)
         if missing or len(self._crew) < len(members):
-            wrong = ", ".join(sorted(missing)) or "two of a name"
-            raise UsageError(f"each agent needs one robot; wrong for {wrong}")
-        self._setting, self._truth = setting, setting.truth
-        self._limits = limits or DispatchLimits()
-        self._replan, self._clock, self._pause = replan, clock, pause
-        self._state = setting.truth.task.initial_state
-        self._mind = Mind(setting.belief.task.initial_state)
+            raise UsageError(
+                f"each agent needs one robot: {', '.join(sorted(missing)) or 'a name is used twice'}"
+            )
+        self.course = Course(setting, at_once=True)
+        self._truth, self._setting, self._replan = setting.truth, setting, replan
+        self._limits, self._clock, self._pause = limits or DispatchLimits(), clock, pause
         self._outside: deque[GroundAtom] = deque()
         self._history: list[Dispatched] = []
-        self._lost: set[str] = set()
-        # Steps of lost agents; no new plan is made while there are any.
-        self._given_up: dict[str, tuple[int, tuple[Order, float]]] = {}
+        self._given_up: dict[str, _Sent] = {}  # by lost agents
+        self._cancelled: set[int] = set()  # numbers of orders
         self._num_orders = self._num_plans = 0
+        self._planning_s: list[float] = []
         self._waiting_since: dict[str, float] = {}  # for agents that refuse
         self._seen: defaultdict[str, list[Fact]] = defaultdict(list)
         self._began = clock()
+        self._bring(Notice(Event.PLAN_OUTDATED))
         self._adopt(schedule)
 
     def notify(self, action: GroundAtom) -> None:
@@ -104,38 +112,65 @@ class Dispatcher:
 
     def run(self) -> DispatchRun:
         """Carry the schedule out to its end; after a Ctrl-C, what is under way is asked to stop."""
-        ending = None
         try:
-            while ending is None:
-                ending = self._go_on()
+            while self.course.monitor not in FINAL:
+                self._go_on()
+        except KeyboardInterrupt:
+            if self.course.monitor not in FINAL:
+                self._bring(Notice(Event.ABORT))
+            raise
         finally:
             if self._open:
                 for member in self._crew.values():
                     member.cancel()
-        return DispatchRun(ending, tuple(self._history), self._num_plans, frozenset(self._lost))
+        return self.result()
 
-    def _go_on(self) -> Ending | None:
+    def result(self) -> DispatchRun:
+        """Return how it went, once it has ended."""
+        course = self.course
+        ending = course.ending()
+        trace = Trace(
+            self._setting.problem, tuple(course.steps), "nobody", "simulated", notes={"ending": ending.value}
+        )
+        played = Run(
+            Episode(trace, ending),
+            tuple(course.occurrences),
+            course.num_deviations,
+            course.num_changes,
+            tuple(self._planning_s),
+            at_once=True,
+        )
+        return DispatchRun(ending, tuple(self._history), self._num_plans, course.lost, played)
+
+    def _bring(self, notice: Notice) -> bool:
+        """Bring an event to the course; whether it was taken."""
+        self.course.apply(notice, self._now())
+        return not self.course.occurrences[-1].refusal
+
+    def _go_on(self) -> None:
         happened = self._take_outside() | self._take_reports() | self._watch_the_clock()
         if self._is_outdated:
             self._waiting_since.clear()
         else:
             happened |= self._send_what_is_ready()
-        if not self._open and not set(self._waiting_since) - self._lost:
-            return self._conclude()
-        if self._is_time_up():
-            return Ending.TIME
-        if not happened:
+        if not self._open and not set(self._waiting_since) - self.course.lost:
+            self._conclude()
+        elif self._is_time_up():
+            self._bring(Notice(Event.TIME_UP, reason=Ending.TIME.value))
+        elif not happened:
             self._pause(_PAUSE_S)
-        return None
 
     def _adopt(self, schedule: Schedule) -> None:
+        """Begin to carry out a schedule, or go on without one if the course says that it is none."""
         self._schedule = schedule
         self._done: set[int] = set()
-        self._open: dict[int, tuple[Order, float]] = {}  # by number of the step; with the time of sending
-        self._cancelled: set[int] = set()  # numbers of orders
+        self._open: dict[int, _Sent] = {}  # by number of the step
         self._failures: Counter[int] = Counter()
         self._waiting_since.clear()
-        self._is_outdated = False
+        self._is_outdated = not self._bring(Notice(Event.PLAN_READY, plan=schedule.actions))
+        if self._is_outdated:
+            self._bring(Notice(Event.PLANNER_FAILED))
+        self._bring(Notice(Event.TEAM_NEXT))
 
     def _now(self) -> float:
         return self._clock() - self._began
@@ -143,48 +178,47 @@ class Dispatcher:
     def _is_time_up(self) -> bool:
         return self._now() > self._limits.total_s
 
-    def _conclude(self) -> Ending | None:
+    def _conclude(self) -> None:
         """End, or plan anew, now that nothing is under way and nothing can be sent."""
-        if self._truth.task.is_goal(self._state):
-            return Ending.REACHED
-        if self._lost or self._num_plans >= self._limits.max_plans:
-            return Ending.STUCK
-        if self._is_time_up():
-            return Ending.TIME
-        self._num_plans += 1
-        problem = restart_at(
-            self._setting.problem,
-            self._truth.stage,
-            self._state,
-            self._setting.belief.stage,
-            self._mind.state,
-        )
-        schedule = self._replan(problem)
-        if schedule is None:
-            return Ending.IMPOSSIBLE
-        if not self._leads_to_goal(schedule.actions) or set(schedule.agents) - set(self._crew):
-            return Ending.STUCK
-        self._adopt(schedule)
-        return None
+        if self.course.has_reached_goal:
+            self._bring(Notice(Event.GOAL_HOLDS))
+        elif self._num_plans >= self._limits.max_plans:
+            self._bring(Notice(Event.TIME_UP, reason=Ending.STUCK.value))
+        elif self._is_time_up():
+            self._bring(Notice(Event.TIME_UP, reason=Ending.TIME.value))
+        else:
+            self._plan_anew()
 
-    def _leads_to_goal(self, actions: Iterable[GroundAtom]) -> bool:
-        state = self._truth.follow(self._state, actions)
-        return state is not None and self._truth.task.is_goal(state)
+    def _plan_anew(self) -> None:
+        self._num_plans += 1
+        self._bring(Notice(Event.PLAN_OUTDATED))
+        began = self._clock()
+        schedule = self._replan(self.course.problem_from_now)
+        self._planning_s.append(self._clock() - began)
+        if schedule is None:
+            self._bring(Notice(Event.NO_PLAN_EXISTS))
+        elif set(schedule.agents) - set(self._crew) or not self.course.leads_to_goal(schedule.actions):
+            self._bring(Notice(Event.PLANNER_FAILED))
+            self._bring(Notice(Event.TIME_UP, reason=Ending.STUCK.value))
+        else:
+            self._adopt(schedule)
 
     def _check_rest(self) -> None:
+        """Find out whether what is left still leads to the goal, if those who are lost come back."""
         steps = enumerate(self._schedule.steps)
         rest = [scheduled.step.action for number, scheduled in steps if number not in self._done]
-        self._is_outdated = self._is_outdated or not self._leads_to_goal(rest)
+        state = self._truth.follow(self.course.state, rest)
+        self._is_outdated |= state is None or not self._truth.task.is_goal(state)
 
     def _send_what_is_ready(self) -> bool:
-        busy = {self._schedule.steps[number].step.agent for number in self._open} | self._lost
+        busy = {self._schedule.steps[number].step.agent for number in self._open} | self.course.lost
         sent = False
         for number, scheduled in enumerate(self._schedule.steps):
             step = scheduled.step
             waits = number in self._done or number in self._open or not self._done.issuperset(scheduled.after)
             if waits or step.agent in busy:
                 continue
-            if self._truth.operator(self._state, step.action) is None:
+            if not self.course.allows(step.action):
                 self._is_outdated = True
                 break
             sent |= self._send(number, step)
@@ -198,11 +232,11 @@ class Dispatcher:
             # It may be out of reach for a moment: it is tried again, until it is given up for lost.
             first = self._waiting_since.setdefault(step.agent, self._now())
             if self._now() - first > 2 * self._limits.step_s:
-                self._lost.add(step.agent)
+                self._bring(Notice(Event.AGENT_LOST, agent=step.agent, reason="out of reach"))
             return False
         self._waiting_since.pop(step.agent, None)
-        self._open[number] = (order, self._now())
-        return True
+        self._open[number] = _Sent(self._schedule, number, order, self._now())
+        return self._bring(Notice(Event.ROBOT_NEXT, step.action))
 
     def _take_reports(self) -> bool:
         happened = False
@@ -214,10 +248,13 @@ class Dispatcher:
         return happened
 
     def _take(self, name: str, report: Report) -> None:
-        if name in self._given_up and not isinstance(report, Observation):
-            late, entry = self._given_up.pop(name)  # it was not lost after all
-            self._open[late] = entry
-            self._lost.discard(name)
+        if name in self._given_up and not isinstance(report, Observation):  # it was not lost after all
+            sent = self._given_up.pop(name)
+            self._bring(Notice(Event.AGENT_BACK, agent=name))
+            if sent.schedule is not self._schedule:
+                self._end_late(Step(name, sent.order.action), sent, report)
+                return
+            self._open[sent.place] = sent
         number = next((n for n in self._open if self._schedule.steps[n].step.agent == name), None)
         if isinstance(report, Observation) or number is None:
             # What a robot sees of things in motion counts when its step is over; of what is fixed, at once.
@@ -228,34 +265,34 @@ class Dispatcher:
             if number is None:
                 self._learn(self._seen.pop(name, []))
             return
-        step, (order, sent_s) = self._schedule.steps[number].step, self._open.pop(number)
-        self._cancelled.discard(order.number)
-        self._history.append(Dispatched(step, sent_s, self._now(), report))
-        if isinstance(report, Finished):
+        step, sent = self._schedule.steps[number].step, self._open.pop(number)
+        self._cancelled.discard(sent.order.number)
+        self._history.append(Dispatched(step, sent.time_s, self._now(), report))
+        if isinstance(report, Finished) and self._bring(Notice(Event.STEP_FINISHED, step.action)):
             self._done.add(number)
-            self._is_outdated |= not self._happen(step.action)
+        else:
+            reason = "blocked" if isinstance(report, Blocked) else getattr(report, "reason", "")
+            self._bring(Notice(Event.STEP_FAILED, step.action, reason=reason))
+            self._is_outdated |= isinstance(report, Finished)  # it can't have been done, as far as is known
         is_news = self._learn((*self._seen.pop(name, []), *facts_of(report)))
         if isinstance(report, Failed) or (isinstance(report, Blocked) and not is_news):
             self._fail(number, step)
 
-    def _happen(self, action: GroundAtom) -> bool:
-        """Let a step come true; False if, as far as is known, it can't have."""
-        operator = self._truth.operator(self._state, action)
-        if operator is None:
-            return False
-        after = self._truth.task.successor(self._state, operator)
-        self._mind = minds.watch(self._setting, self._mind, action, self._state, after)
-        self._state = after
-        return True
+    def _end_late(self, step: Step, sent: "_Sent", report: Report) -> None:
+        """Let a step end that is none of the present plan's."""
+        self._history.append(Dispatched(step, sent.time_s, self._now(), report))
+        if not (isinstance(report, Finished) and self._bring(Notice(Event.STEP_FINISHED, step.action))):
+            self._bring(Notice(Event.STEP_FAILED, step.action))
+        self._learn((*self._seen.pop(step.agent, []), *facts_of(report)))
+        self._check_rest()
 
     def _learn(self, facts: Iterable[Fact]) -> bool:
         """Take facts for true; whether that is news."""
-        try:
-            state = change_state(self._truth.stage, self._state, tuple(facts))
-        except UsageError:
-            return False  # there is no such state: the robot errs
-        is_news = state != self._state
-        self._state = state
+        found = tuple(facts)
+        before = self.course.state
+        if found and self.course.is_news(found):
+            self._bring(Notice(Event.FACT_OBSERVED, facts=found))
+        is_news = self.course.state != before
         if is_news:
             self._check_rest()
         return is_news
@@ -272,11 +309,11 @@ class Dispatcher:
         happened = False
         while self._outside:
             action = self._outside.popleft()
-            agent = self._setting.problem.agent_of(action)
-            if agent.kind != "human" or not self._happen(action):
+            if not self._bring(Notice(Event.PERSON_COMMANDED, action)):
                 continue
             happened = True
-            self._history.append(Dispatched(Step(agent.name, action), self._now(), self._now(), None))
+            agent = self.course.agent_of(action)
+            self._history.append(Dispatched(Step(agent, action), self._now(), self._now(), None))
             early = [
                 number
                 for number, scheduled in enumerate(self._schedule.steps)
@@ -288,16 +325,25 @@ class Dispatcher:
 
     def _watch_the_clock(self) -> bool:
         happened = False
-        for number, (order, sent_s) in list(self._open.items()):
-            agent, waited_s = self._schedule.steps[number].step.agent, self._now() - sent_s
-            if waited_s > self._limits.step_s and order.number not in self._cancelled:
-                self._cancelled.add(order.number)
-                self._crew[agent].cancel()
+        for number, sent in list(self._open.items()):
+            step, waited_s = self._schedule.steps[number].step, self._now() - sent.time_s
+            if waited_s > self._limits.step_s and sent.order.number not in self._cancelled:
+                self._cancelled.add(sent.order.number)
+                self._bring(Notice(Event.TIME_PASSED, step.action))
+                self._crew[step.agent].cancel()
                 happened = True
             if waited_s > 2 * self._limits.step_s:
-                self._lost.add(agent)
-                self._given_up[agent] = number, self._open.pop(number)
-                step = self._schedule.steps[number].step
-                self._history.append(Dispatched(step, sent_s, self._now(), None))
+                self._bring(Notice(Event.AGENT_LOST, agent=step.agent, reason="no answer"))
+                self._given_up[step.agent] = self._open.pop(number)
+                self._history.append(Dispatched(step, sent.time_s, self._now(), None))
                 happened = True
         return happened
+
+
+class _Sent(NamedTuple):
+    """A step that was sent: the schedule, its place there, the order, and when."""
+
+    schedule: Schedule
+    place: int
+    order: Order
+    time_s: float

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from explicable.execution.episodes import Ending
 from explicable.execution.robots.protocol import Report
+from explicable.execution.runs import Run
 from explicable.model.plan import Step
 
 
@@ -64,12 +65,15 @@ class DispatchRun:
         How often the rest was planned anew.
     lost
         Agents that did not answer any more.
+    played
+        All that happened, to be put on record (`explicable.execution.record`).
     """
 
     ending: Ending
     steps: tuple[Dispatched, ...]
     num_plans: int
     lost: frozenset[str]
+    played: Run
 
     @property
     def makespan_s(self) -> float:

@@ -23,10 +23,10 @@ FORMAT = "explicable-episode"
 VERSION = 1
 
 _HEADER = frozenset(
-    ("format", "version", "trace", "observable", "map", "deviations", "changes", "planning_s")
+    ("format", "version", "trace", "observable", "map", "deviations", "changes", "planning_s", "at_once")
 )
 _LINE = frozenset(
-    ("time", "event", "state", "action", "facts", "answer", "plan", "reason", "refusal", "digest")
+    ("time", "event", "state", "action", "facts", "answer", "plan", "agent", "reason", "refusal", "digest")
 )
 
 
@@ -41,6 +41,7 @@ def write_episode(path: str | Path, recorded: EpisodeRecord) -> None:
         "deviations": recorded.num_deviations,
         "changes": recorded.num_changes,
         "planning_s": list(recorded.planning_s),
+        **({"at_once": True} if recorded.at_once else {}),
     }
     lines = (header, *map(_format_event, recorded.events))
     write_whole(path, "".join(json.dumps(line, allow_nan=False) + "\n" for line in lines))
@@ -53,6 +54,7 @@ def _format_event(event: RecordedEvent) -> dict[str, Any]:
         "facts": [str(fact) for fact in notice.facts],
         "answer": notice.answer,
         "plan": [format_action(action) for action in notice.plan],
+        "agent": notice.agent,
         "reason": notice.reason,
         "refusal": event.refusal,
         "digest": event.digest,
@@ -78,7 +80,7 @@ def read_episode(path: str | Path) -> EpisodeRecord:
         header.refuse(f'not an episode: expected an object with "format": "{FORMAT}"')
     if type(data.get("version")) is not int or data["version"] != VERSION:
         header.refuse(f"can't read episodes of version {data.get('version')!r}, only of version {VERSION}")
-    header.check_keys(_HEADER, required=_HEADER - {"map"})
+    header.check_keys(_HEADER, required=_HEADER - {"map", "at_once"})
     try:
         trace = RecordReader(path, 1, {}).read(json.dumps(data["trace"]).encode())
     except TraceError as error:
@@ -91,6 +93,7 @@ def read_episode(path: str | Path) -> EpisodeRecord:
         header.count("deviations"),
         header.count("changes"),
         tuple(header.number("planning_s", value) for value in header.items("planning_s")),
+        header.truth("at_once"),
     )
 
 
@@ -136,6 +139,7 @@ class _Line:
             answer,
             tuple(self.action("plan", text) for text in self.list_of_texts("plan")),
             self.text("reason"),
+            self.text("agent"),
         )
         time_s = self.number("time", self.data["time"])
         return RecordedEvent(notice, time_s, state, self.text("refusal"), self.text("digest"))
@@ -144,6 +148,12 @@ class _Line:
         value = self.data.get(key, "")
         if not isinstance(value, str):
             self.refuse(f"{key} must be text")
+        return value
+
+    def truth(self, key: str) -> bool:
+        value = self.data.get(key, False)
+        if not isinstance(value, bool):
+            self.refuse(f"{key} must be true or false")
         return value
 
     def items(self, key: str) -> list[object]:

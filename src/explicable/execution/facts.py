@@ -1,14 +1,17 @@
 """What a robot finds to be otherwise than its model said, and the model after that."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 
 from explicable.errors import UsageError
 from explicable.execution.robots.protocol import Fact
 from explicable.execution.stage import Stage
-from explicable.model.problem import And, Atom, Formula, GroundAtom, Or, Problem
+from explicable.model.problem import And, Atom, Formula, GroundAtom, Or, Parameter, Predicate, Problem
 from explicable.model.task import State, Task
-from explicable.model.team import TeamProblem, schema_kind
+from explicable.model.team import TeamProblem, agent_kind, schema_kind
+
+# No PDDL name has a space in it, so this meets no other.
+_IN_SERVICE = Atom("in service", ())
 
 
 def observable_facts(problem: TeamProblem) -> tuple[GroundAtom, ...]:
@@ -114,3 +117,42 @@ def _begin_at(problem: Problem, stage: Stage, state: State) -> Problem:
     constant = [atom for atom in problem.init if stage.task.fact_number(atom) is None]
     changing = sorted(stage.task.atoms(state))
     return replace(problem, init=tuple(atom for atom in (*constant, *changing) if atom[0] in known))
+
+
+def without(problem: TeamProblem, lost: Collection[str]) -> TeamProblem:
+    """Return the team problem in which some agents can do nothing any more, as everybody knows.
+
+    Examples
+    --------
+    >>> from explicable.first_response import World, encode
+    >>> from explicable.model.grounding import ground
+    >>> problem = without(encode(World(("@*@",))), ["r1"])
+    >>> task = ground(problem.composite)
+    >>> {task.action(operator)[1] for operator in range(task.num_operators)} == {"person", "r2"}
+    True
+    """
+    if not lost:
+        return problem
+    human = None if problem.human is None else _without(problem.human, problem, lost)
+    return TeamProblem(_without(problem.robot, problem, lost), human)
+
+
+def _without(problem: Problem, team: TeamProblem, lost: Collection[str]) -> Problem:
+    domain = problem.domain
+    schemas = []
+    for schema in domain.actions:
+        is_agents = schema.parameters and agent_kind(domain, schema.parameters[0].types) is not None
+        if is_agents:
+            serves = Atom(_IN_SERVICE.predicate, (schema.parameters[0].name,))
+            schemas.append(replace(schema, precondition=And((serves, schema.precondition))))
+        elif team.agent_of((schema.name,)).name not in lost:
+            schemas.append(schema)
+    known = {**domain.constants, **problem.objects}
+    left = [agent.name for agent in team.agents if agent.name in known and agent.name not in lost]
+    parameter = Parameter("?agent", ("object",))
+    predicate = Predicate(_IN_SERVICE.predicate, (parameter,))
+    return replace(
+        problem,
+        domain=replace(domain, predicates=(*domain.predicates, predicate), actions=tuple(schemas)),
+        init=(*problem.init, *((_IN_SERVICE.predicate, name) for name in left)),
+    )

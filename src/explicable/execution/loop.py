@@ -6,7 +6,7 @@ robots, planner and person, and what is to be done outside is done. Planners and
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 from explicable.execution.course import Course
 from explicable.execution.crew import Crew
@@ -14,7 +14,7 @@ from explicable.execution.desk import BackDesk, Desk, OpenDesk
 from explicable.execution.episodes import Ending, Episode
 from explicable.execution.monitor import FINAL, Command, Event, State
 from explicable.execution.notices import Notice
-from explicable.execution.people import Person
+from explicable.execution.people import Person, steps_of_others
 from explicable.execution.plans import Planner
 from explicable.execution.robots.protocol import Robot
 from explicable.execution.runs import USUAL_LIMITS, Limits, Run
@@ -28,7 +28,7 @@ from explicable.search import Outcome
 def run(
     setting: Setting,
     planner: Planner,
-    person: Person,
+    person: Person | Sequence[Person],
     robots: Iterable[Robot] | None = None,
     *,
     limits: Limits = USUAL_LIMITS,
@@ -53,7 +53,9 @@ def run(
         sent.
     person, robots
         Who plays; by default the robots' steps all succeed. What robots report is checked
-        (`explicable.execution.robots.Door`). They are left open.
+        (`explicable.execution.robots.Door`). They are left open. A person alone may take any human step; of
+        several, in the order of the team's humans, each takes their own. All judge each step; a step's label
+        in the trace is whether all who answered found it explicable.
     limits
         How long to wait for what.
     background
@@ -74,13 +76,19 @@ def run(
 
 
 class ClosedLoop:
-    """A game under way, for those who bring events in from outside or may break it off; see `run`."""
+    """A game under way, for those who bring events in from outside or may break it off; see `run`.
+
+    Raises
+    ------
+    UsageError
+        If there is not one robot for each of the team's, or several people but not one for each human.
+    """
 
     def __init__(
         self,
         setting: Setting,
         planner: Planner,
-        person: Person,
+        person: Person | Sequence[Person],
         robots: Iterable[Robot] | None = None,
         *,
         limits: Limits = USUAL_LIMITS,
@@ -89,7 +97,9 @@ class ClosedLoop:
         watch: Callable[[Course], None] = lambda _: None,
     ) -> None:
         self.course = Course(setting)
-        self._person, self._limits, self._clock, self._watch = person, limits, clock, watch
+        self._people = tuple(person) if isinstance(person, Sequence) else (person,)
+        self._others = steps_of_others(setting, self._people)
+        self._limits, self._clock, self._watch = limits, clock, watch
         self._crew = Crew(self.course, robots, limits.step_s, clock)
         self._desk: Desk = BackDesk(planner, clock) if background else OpenDesk(planner, clock)
         self._began = self._requested_at = clock()
@@ -97,7 +107,7 @@ class ClosedLoop:
         self._outside: deque[Notice] = deque()
         self._kept: deque[Notice] = deque()
         self._impossible: set[GroundAtom] = set()
-        self._robot_moved = False
+        self._moved: set[int] = set()  # people who have not thought about the robot's last step yet
         self._has_planned = False  # since the last step
         self._idle_events = 0
         self._sources: dict[State, Callable[[], Notice | None]] = {
@@ -146,13 +156,13 @@ class ClosedLoop:
         UsageError
             If it has not.
         """
-        course, person = self.course, self._person
+        course = self.course
         ending = course.ending()
         trace = Trace(
             course.setting.problem,
             tuple(course.steps),
-            person.name,
-            person.origin,
+            ", ".join(person.name for person in self._people),
+            self._people[0].origin,
             notes={"ending": ending.value},
         )
         return Run(
@@ -203,7 +213,8 @@ class ClosedLoop:
             if command in self._effects:
                 self._effects[command](notice)
         if request is not None and Command.ADOPT_SAFE_PLAN in commands and request.action in course.refused:
-            self._person.give_up(request)
+            for person in self._people:
+                person.give_up(request)
         self._watch(course)
 
     def _make_good(self, notice: Notice) -> None:
@@ -215,13 +226,15 @@ class ClosedLoop:
 
     def _show(self, action: GroundAtom, before: GameState, *, ask: bool) -> None:
         """Let the person see a step that was taken, and answer if asked."""
-        if ask:
-            answer = self._person.judge(action, before)
+        for number, person in enumerate(self._people):
+            answer = person.judge(action, before) if ask else None
             if answer is not None:
-                self._inbox.append(Notice(Event.ANSWER_GIVEN, action, answer=answer))
-        self._person.watch(action, before, self.course.state)
+                who = person.name if len(self._people) > 1 else ""
+                self._inbox.append(Notice(Event.ANSWER_GIVEN, action, answer=answer, agent=who))
+            person.watch(action, before, self.course.state)
+            self._moved = self._moved | {number} if ask else self._moved - {number}
         self._impossible.clear()
-        self._has_planned, self._idle_events, self._robot_moved = False, 0, ask
+        self._has_planned, self._idle_events = False, 0
 
     def _decide(self) -> Notice:
         course = self.course
@@ -229,11 +242,12 @@ class ClosedLoop:
             return Notice(Event.GOAL_HOLDS)
         if not course.plan and not self._has_planned:  # predict before the person acts
             return Notice(Event.PLAN_OUTDATED)
-        if self._person.request is None or (self._robot_moved and self._person.thinks_over()):
-            self._robot_moved = False
-            asked = self._person_chooses()
-            if asked:
-                return Notice(Event.PERSON_COMMANDED, asked)
+        for number, person in enumerate(self._people):
+            if person.request is None or (number in self._moved and person.thinks_over()):
+                self._moved.discard(number)
+                asked = self._chooses(number)
+                if asked:
+                    return Notice(Event.PERSON_COMMANDED, asked)
         if not course.plan or (course.is_outdated and not self._has_planned):
             return Notice(Event.PLAN_OUTDATED)
         action = course.plan[0]
@@ -242,13 +256,18 @@ class ClosedLoop:
         return Notice(Event.ROBOT_NEXT if course.allows(action) else Event.PLAN_OUTDATED, action)
 
     def _listen(self) -> Notice:
-        asked = self._person_chooses()
+        asked = self._anybody_chooses()
         return Notice(Event.PERSON_COMMANDED, asked) if asked else Notice(Event.PERSON_IDLE)
 
-    def _person_chooses(self) -> GroundAtom:
-        """Ask the person for a step until it names one that is possible, or none."""
-        while asked := self._person.choose(self.course.refused | self._impossible):
-            if asked in self._impossible:
+    def _anybody_chooses(self) -> GroundAtom:
+        """Ask the people, one after the other, for a step that is possible."""
+        return next(filter(None, map(self._chooses, range(len(self._people)))), ())
+
+    def _chooses(self, number: int) -> GroundAtom:
+        """Ask a person for a step until they name one that is possible, or none."""
+        person, others = self._people[number], self._others[number]
+        while asked := person.choose(self.course.refused | self._impossible | others):
+            if asked in self._impossible or asked in others:
                 return ()  # the person does not listen
             if self.course.is_step_of_person(asked) and self.course.allows(asked):
                 return asked
@@ -281,7 +300,8 @@ class ClosedLoop:
         step = self._bridge()
         if step:
             return Notice(Event.ROBOT_NEXT, step)
-        asked = self._person_chooses() if self._person.request is None else ()
+        waits = all(person.request is None for person in self._people)
+        asked = self._anybody_chooses() if waits else ()
         return Notice(Event.PERSON_COMMANDED, asked) if asked else Notice(Event.TIME_PASSED)
 
     def _propose(self, timeout_s: float) -> Notice | None:

@@ -20,6 +20,7 @@ class State(StrEnum):
     LISTENING = "listening"
     PLANNING = "planning"
     BRIDGING = "bridging"
+    DISPATCHING = "dispatching"
     REACHED = "goal reached"
     FAILED = "failed"
     ABORTED = "aborted"
@@ -32,6 +33,7 @@ class Event(StrEnum):
     GOAL_HOLDS = "goal holds"
     ROBOT_NEXT = "robot next"
     PERSON_NEXT = "person next"
+    TEAM_NEXT = "team next"
     PLAN_OUTDATED = "plan outdated"
     # What the planner says.
     PLAN_READY = "plan ready"
@@ -44,6 +46,8 @@ class Event(StrEnum):
     PERSON_IDLE = "person idle"
     FACT_OBSERVED = "fact observed"
     ANSWER_GIVEN = "answer given"
+    AGENT_LOST = "agent lost"
+    AGENT_BACK = "agent back"
     TIME_PASSED = "time passed"
     TIME_UP = "time up"
     ABORT = "abort"
@@ -62,6 +66,8 @@ class Command(StrEnum):
     TAKE_PERSON_STEP = "take person step"
     KEEP_PERSON_STEP = "keep person step"
     TAKE_FACT = "take fact"
+    DROP_AGENT = "drop agent"
+    TAKE_AGENT_BACK = "take agent back"
     RECORD_ANSWER = "record answer"
     ASK_PERSON = "ask person"
 
@@ -80,11 +86,14 @@ TABLE: Mapping[tuple[State, Event], Transition] = MappingProxyType(
         (State.DECIDING, Event.GOAL_HOLDS): (State.REACHED, ()),
         (State.DECIDING, Event.ROBOT_NEXT): (State.ACTING, (Command.SEND_STEP,)),
         (State.DECIDING, Event.PERSON_NEXT): (State.LISTENING, ()),
+        (State.DECIDING, Event.TEAM_NEXT): (State.DISPATCHING, ()),
         (State.DECIDING, Event.PLAN_OUTDATED): (State.PLANNING, (Command.REQUEST_PLAN,)),
         (State.DECIDING, Event.PERSON_COMMANDED): (State.DECIDING, (Command.TAKE_PERSON_STEP,)),
         (State.DECIDING, Event.PERSON_IDLE): (State.DECIDING, ()),
         (State.DECIDING, Event.FACT_OBSERVED): (State.DECIDING, (Command.TAKE_FACT,)),
         (State.DECIDING, Event.ANSWER_GIVEN): (State.DECIDING, (Command.RECORD_ANSWER,)),
+        (State.DECIDING, Event.AGENT_LOST): (State.DECIDING, (Command.DROP_AGENT,)),
+        (State.DECIDING, Event.AGENT_BACK): (State.DECIDING, (Command.TAKE_AGENT_BACK,)),
         (State.DECIDING, Event.TIME_PASSED): (State.DECIDING, ()),
         (State.DECIDING, Event.TIME_UP): (State.FAILED, ()),
         (State.DECIDING, Event.ABORT): (State.ABORTED, ()),
@@ -97,6 +106,8 @@ TABLE: Mapping[tuple[State, Event], Transition] = MappingProxyType(
         (State.ACTING, Event.PERSON_IDLE): (State.ACTING, ()),
         (State.ACTING, Event.FACT_OBSERVED): (State.ACTING, (Command.TAKE_FACT,)),
         (State.ACTING, Event.ANSWER_GIVEN): (State.ACTING, (Command.RECORD_ANSWER,)),
+        (State.ACTING, Event.AGENT_LOST): (State.DECIDING, (Command.DROP_AGENT,)),
+        (State.ACTING, Event.AGENT_BACK): (State.ACTING, (Command.TAKE_AGENT_BACK,)),
         (State.ACTING, Event.TIME_PASSED): (State.ACTING, (Command.CANCEL_STEP,)),
         (State.ACTING, Event.TIME_UP): (State.FAILED, (Command.CANCEL_STEP,)),
         (State.ACTING, Event.ABORT): (State.ABORTED, (Command.CANCEL_STEP,)),
@@ -105,6 +116,8 @@ TABLE: Mapping[tuple[State, Event], Transition] = MappingProxyType(
         (State.LISTENING, Event.PERSON_IDLE): (State.DECIDING, (Command.ADOPT_SAFE_PLAN,)),
         (State.LISTENING, Event.FACT_OBSERVED): (State.DECIDING, (Command.TAKE_FACT,)),
         (State.LISTENING, Event.ANSWER_GIVEN): (State.LISTENING, (Command.RECORD_ANSWER,)),
+        (State.LISTENING, Event.AGENT_LOST): (State.DECIDING, (Command.DROP_AGENT,)),
+        (State.LISTENING, Event.AGENT_BACK): (State.DECIDING, (Command.TAKE_AGENT_BACK,)),
         (State.LISTENING, Event.TIME_PASSED): (State.DECIDING, (Command.ADOPT_SAFE_PLAN,)),
         (State.LISTENING, Event.TIME_UP): (State.FAILED, ()),
         (State.LISTENING, Event.ABORT): (State.ABORTED, ()),
@@ -125,6 +138,14 @@ TABLE: Mapping[tuple[State, Event], Transition] = MappingProxyType(
             (Command.CANCEL_PLANNER, Command.TAKE_FACT, Command.REQUEST_PLAN),
         ),
         (State.PLANNING, Event.ANSWER_GIVEN): (State.PLANNING, (Command.RECORD_ANSWER,)),
+        (State.PLANNING, Event.AGENT_LOST): (
+            State.PLANNING,
+            (Command.CANCEL_PLANNER, Command.DROP_AGENT, Command.REQUEST_PLAN),
+        ),
+        (State.PLANNING, Event.AGENT_BACK): (
+            State.PLANNING,
+            (Command.CANCEL_PLANNER, Command.TAKE_AGENT_BACK, Command.REQUEST_PLAN),
+        ),
         (State.PLANNING, Event.TIME_PASSED): (State.PLANNING, ()),
         (State.PLANNING, Event.TIME_UP): (State.FAILED, (Command.CANCEL_PLANNER,)),
         (State.PLANNING, Event.ABORT): (State.ABORTED, (Command.CANCEL_PLANNER,)),
@@ -141,9 +162,27 @@ TABLE: Mapping[tuple[State, Event], Transition] = MappingProxyType(
         (State.BRIDGING, Event.PERSON_IDLE): (State.BRIDGING, ()),
         (State.BRIDGING, Event.FACT_OBSERVED): (State.ACTING, (Command.CANCEL_PLANNER, Command.TAKE_FACT)),
         (State.BRIDGING, Event.ANSWER_GIVEN): (State.BRIDGING, (Command.RECORD_ANSWER,)),
+        (State.BRIDGING, Event.AGENT_LOST): (State.DECIDING, (Command.CANCEL_PLANNER, Command.DROP_AGENT)),
+        (State.BRIDGING, Event.AGENT_BACK): (State.ACTING, (Command.CANCEL_PLANNER, Command.TAKE_AGENT_BACK)),
         (State.BRIDGING, Event.TIME_PASSED): (State.BRIDGING, (Command.CANCEL_STEP,)),
         (State.BRIDGING, Event.TIME_UP): (State.FAILED, (Command.CANCEL_STEP, Command.CANCEL_PLANNER)),
         (State.BRIDGING, Event.ABORT): (State.ABORTED, (Command.CANCEL_STEP, Command.CANCEL_PLANNER)),
+        # Any number of agents are about steps that don't get in each other's way; a person's step, too, is
+        # sent to whatever shows it to them. A plan is made anew only when nothing is under way.
+        (State.DISPATCHING, Event.GOAL_HOLDS): (State.REACHED, ()),
+        (State.DISPATCHING, Event.ROBOT_NEXT): (State.DISPATCHING, (Command.SEND_STEP,)),
+        (State.DISPATCHING, Event.PLAN_OUTDATED): (State.PLANNING, (Command.REQUEST_PLAN,)),
+        (State.DISPATCHING, Event.STEP_FINISHED): (State.DISPATCHING, (Command.TAKE_ROBOT_STEP,)),
+        (State.DISPATCHING, Event.STEP_FAILED): (State.DISPATCHING, ()),
+        (State.DISPATCHING, Event.PERSON_COMMANDED): (State.DISPATCHING, (Command.TAKE_PERSON_STEP,)),
+        (State.DISPATCHING, Event.PERSON_IDLE): (State.DISPATCHING, ()),
+        (State.DISPATCHING, Event.FACT_OBSERVED): (State.DISPATCHING, (Command.TAKE_FACT,)),
+        (State.DISPATCHING, Event.ANSWER_GIVEN): (State.DISPATCHING, (Command.RECORD_ANSWER,)),
+        (State.DISPATCHING, Event.AGENT_LOST): (State.DISPATCHING, (Command.DROP_AGENT,)),
+        (State.DISPATCHING, Event.AGENT_BACK): (State.DISPATCHING, (Command.TAKE_AGENT_BACK,)),
+        (State.DISPATCHING, Event.TIME_PASSED): (State.DISPATCHING, (Command.CANCEL_STEP,)),
+        (State.DISPATCHING, Event.TIME_UP): (State.FAILED, (Command.CANCEL_STEP,)),
+        (State.DISPATCHING, Event.ABORT): (State.ABORTED, (Command.CANCEL_STEP,)),
     }
 )
 

@@ -25,6 +25,8 @@ class Notice:
         Whether the step is explicable.
     plan
         The joint plan from now on.
+    agent
+        Who is lost or back, or has answered; empty where there is no doubt.
     reason
         Why it happened, for people to read; of the time that is up, the value of an `Ending`.
     """
@@ -35,6 +37,7 @@ class Notice:
     answer: bool | None = None
     plan: Actions = ()
     reason: str = ""
+    agent: str = ""
 
 
 @dataclass(frozen=True, slots=True)

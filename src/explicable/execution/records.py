@@ -56,7 +56,7 @@ class EpisodeRecord:
         Facts that the game was prepared for.
     map_text
         Of the first-response map that was played, if it was one.
-    num_deviations, num_changes, planning_s
+    num_deviations, num_changes, planning_s, at_once
         As in `Run`.
     """
 
@@ -67,6 +67,7 @@ class EpisodeRecord:
     num_deviations: int = 0
     num_changes: int = 0
     planning_s: tuple[float, ...] = ()
+    at_once: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +116,7 @@ def record(
         played.num_deviations,
         played.num_changes,
         played.planning_s,
+        played.at_once,
     )
 
 
@@ -140,7 +142,7 @@ def replay(recorded: EpisodeRecord) -> Replay:
     PDDLError
         If the two models of the game contradict each other.
     """
-    course = Course(prepare(recorded.trace.problem, recorded.observable))
+    course = Course(prepare(recorded.trace.problem, recorded.observable), at_once=recorded.at_once)
     for event in recorded.events:
         course.apply(event.notice, event.time_s)
     differences = []

@@ -52,6 +52,8 @@ class Run:
     planning_s
         How long each call of the planner took, in seconds; the first made the first plan, the others were
         replans.
+    at_once
+        Whether several agents could be about steps at a time.
     """
 
     episode: Episode
@@ -59,3 +61,4 @@ class Run:
     num_deviations: int
     num_changes: int
     planning_s: tuple[float, ...]
+    at_once: bool = False

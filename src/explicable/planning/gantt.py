@@ -9,8 +9,8 @@ from explicable.model.schedule import Schedule, ScheduledStep
 
 _ROW, _BAR, _MARGIN, _LABELS = 46.0, 30.0, 14.0, 90.0
 _WIDTH = 900.0
-_LETTER = 5.8
-"""Width of a letter of the bars' texts, roughly."""
+_LETTER, _NAME_LETTER = 7.4, 8.0
+"""Width of a letter of the bars' texts and of the agents' names, roughly; what is wider still is cut off."""
 _CALM = "#dfe3ea"
 _LINK = "#8a909c"
 
@@ -70,7 +70,11 @@ def draw_schedule(
     parts += _axis(schedule.makespan, left, top, height, scale)
     for agent, y in rows.items():
         text_y = number(y + _ROW / 2 + 4)
-        parts.append(f'<text x="{number(_MARGIN)}" y="{text_y}" font-size="13">{clean(agent)}</text>')
+        name = _fit(agent, int(_LABELS / _NAME_LETTER))
+        parts.append(
+            f"<g><title>{clean(agent)}</title>"
+            f'<text x="{number(_MARGIN)}" y="{text_y}" font-size="13">{clean(name)}</text></g>'
+        )
     parts += _links(schedule, boxes)
     critical = set(schedule.critical_path)
     for place, (step, box) in enumerate(zip(schedule.steps, boxes, strict=True)):
@@ -136,18 +140,25 @@ def _bar(
         f'<g><title>{clean(says)}</title><rect x="{number(x + 1)}" y="{number(y)}"'
         f' width="{number(max(width - 2, 1))}" height="{number(_BAR)}" rx="4" fill="{fill}"'
         f" {frame}{dashes}/>",
+        f'<svg x="{number(x + 2)}" y="{number(y)}" width="{number(max(width - 4, 1))}"'
+        f' height="{number(_BAR)}">',
         *(
-            f'<text x="{number(x + width / 2)}" y="{number(y + 12.5 + 12 * line)}" font-size="10.5"'
+            f'<text x="50%" y="{number(12.5 + 12 * line)}" font-size="10.5"'
             f' text-anchor="middle" fill="{ink}">{clean(text)}</text>'
             for line, text in enumerate(_lines(step, width))
         ),
-        "</g>",
+        "</svg></g>",
     ]
 
 
 def _lines(step: ScheduledStep, width: float) -> list[str]:
     """Return the schema and the last argument, as far as there is room."""
-    room = int((width - 2) / _LETTER)
+    room = int((width - 4) / _LETTER)
     action = step.step.action
     texts = (action[0], action[-1]) if len(action) > 1 else action
-    return [text if len(text) <= room else text[: room - 1] + "…" for text in texts if room > 4]
+    return [_fit(text, room) for text in texts if room > 3]
+
+
+def _fit(text: str, room: int) -> str:
+    """Shorten a text to so many letters."""
+    return text if len(text) <= room else text[: room - 1] + "…"
