@@ -21,8 +21,8 @@ from explicable.study.ledger import OPEN_STAGES
 from explicable.study.pages import PARTS
 from explicable.study.records import live_sessions
 from explicable.study.security import ADMIN_COOKIE, ADMIN_HOURS, Limiter, is_password
-from explicable.study.store import Transaction
 from explicable.study.summary import summarise
+from explicable.study.transaction import Transaction
 
 if TYPE_CHECKING:
     from explicable.study.server import Server

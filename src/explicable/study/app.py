@@ -27,8 +27,9 @@ from explicable.study.protocol import ACTIVE, ConflictError
 from explicable.study.recruitment import Recruit, is_preview, read_parameters
 from explicable.study.security import SESSION_COOKIE, Guard, Keys, Limiter
 from explicable.study.server import Server
-from explicable.study.store import Store, Transaction
-from explicable.study.view import View, view_of
+from explicable.study.store import Store
+from explicable.study.transaction import Transaction
+from explicable.study.view import View, Views
 from explicable.study.writer import UnavailableError
 
 HERE = Path(__file__).parent
@@ -90,9 +91,9 @@ def create_app(
     materials = read_materials(folder)
     store = Store(url)
     keys = Keys(store.read(read_secret))
-    server = Server(
-        materials, store, keys, Conduct(materials), Pages(materials, keys), closing or threading.Event()
-    )
+    views = Views(materials.language)
+    pages = Pages(materials, keys, views)
+    server = Server(materials, store, keys, Conduct(materials), pages, views, closing or threading.Event())
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -232,13 +233,13 @@ def _script_routes(server: Server) -> APIRouter:
         prefix="/api",
         responses={code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429, 503)},
     )
-    conduct, language = server.conduct, server.materials.language
+    conduct, views = server.conduct, server.views
     has_teaming = any(condition.mode == "teaming" for condition in server.materials.study.conditions)
 
     @routes.get("/view")
     async def view(request: HTTPRequest) -> View:
         session = server.session(request)
-        return await server.read(lambda tx: view_of(conduct.standing(tx, session), language))
+        return await server.read(lambda tx: views.view(conduct.standing(tx, session)))
 
     async def think_ahead(session: str) -> None:
         """Let the robot plan before the transaction in which it moves: nobody waits for a plan then.
@@ -256,12 +257,12 @@ def _script_routes(server: Server) -> APIRouter:
         except UnknownSessionError:
             raise
         except ConflictError as error:
-            shown = await server.read(lambda tx: view_of(conduct.standing(tx, session), language))
+            shown = await server.read(lambda tx: views.view(conduct.standing(tx, session)))
             return _json(Problem(error=str(error), view=shown), 409)
         if standing.is_teaming:
             # The robot may plan now: aside, so that others need not wait.
-            return _json(await asyncio.to_thread(view_of, standing, language))
-        return _json(view_of(standing, language))
+            return _json(await asyncio.to_thread(views.view, standing))
+        return _json(views.view(standing))
 
     @routes.post("/step", response_model=View)
     async def step(request: HTTPRequest, move: Move) -> Response:

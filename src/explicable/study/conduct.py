@@ -2,6 +2,10 @@
 
 Every function runs within one transaction. A request that was already carried out is not carried out again;
 one that does not fit where the session stands raises, and the transaction leaves nothing behind.
+
+Where a session stands is remembered, so that most requests read nothing. What is remembered may be out of
+date, and a request may be a known one; then the database does not take the session's revision or the
+request's id, and the writer runs the job once more, without the memory.
 """
 
 from collections.abc import Mapping
@@ -15,7 +19,7 @@ from explicable.study.game import Moment
 from explicable.study.ledger import Request, free_tasks, note
 from explicable.study.materials import Material, Materials
 from explicable.study.protocol import ConflictError, Event, Stage, advance
-from explicable.study.store import Row, Transaction
+from explicable.study.transaction import Row, Transaction
 
 
 class UnknownSessionError(ConflictError):
@@ -38,12 +42,22 @@ class Session:
 
 
 @dataclass(frozen=True, slots=True)
+class Assignment:
+    """A task that is under way, as the database has it."""
+
+    id: int
+    task: str
+    announced: str | None
+    started: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class Standing:
     """Where a session stands; task, material and moment where one is under way."""
 
     session: Session
     num_tasks: int
-    assignment: Row | None = None
+    assignment: Assignment | None = None
     material: Material | None = None
     moment: Moment | None = None
 
@@ -79,10 +93,10 @@ class Conduct:
 
     def step(self, tx: Transaction, session: str, request: Request, number: int) -> Standing:
         """Take the next step of the task, which is step ``number``, counted from 0; or announce it."""
-        row, is_repeated = self._locked(tx, session, request)
+        standing, is_repeated = self._found(tx, session, request)
         if is_repeated:
-            return self._standing(tx, row)
-        standing, material, moment = self._task(tx, row, number)
+            return standing
+        material, moment = _task(standing, number)
         after = material.game.step(moment)
         self._record(tx, standing, moment, after, request)
         operator = format_action(after.announced or after.steps[-1].action)
@@ -93,10 +107,10 @@ class Conduct:
         self, tx: Transaction, session: str, request: Request, number: int, *, explicable: bool
     ) -> Standing:
         """Label the step that is asked about; ``number`` steps have been taken then."""
-        row, is_repeated = self._locked(tx, session, request)
+        standing, is_repeated = self._found(tx, session, request)
         if is_repeated:
-            return self._standing(tx, row)
-        standing, material, moment = self._task(tx, row, number)
+            return standing
+        material, moment = _task(standing, number)
         after = material.game.answer(moment, explicable=explicable)
         self._record(tx, standing, moment, after, request)
         return self._went_on(
@@ -105,10 +119,10 @@ class Conduct:
 
     def command(self, tx: Transaction, session: str, request: Request, operator: str) -> Standing:
         """Take a step of the person's own."""
-        row, is_repeated = self._locked(tx, session, request)
+        standing, is_repeated = self._found(tx, session, request)
         if is_repeated:
-            return self._standing(tx, row)
-        standing, material, moment = self._task(tx, row, None)
+            return standing
+        material, moment = _task(standing, None)
         after = material.game.command(moment, parse_action(operator))
         self._record(tx, standing, moment, after, request)
         expected = material.game.expected(moment.actions)
@@ -130,10 +144,10 @@ class Conduct:
         ConflictError
             If it can't happen now.
         """
-        row, is_repeated = self._locked(tx, session, request)
+        standing, is_repeated = self._found(tx, session, request)
         if is_repeated:
-            return self._standing(tx, row)
-        stage = Stage(row.stage)
+            return standing
+        row, stage = standing.session, standing.stage
         changes: dict[str, Any] = {"stage": advance(stage, event).value}
         if event in {Event.UNDERSTOOD, Event.MISUNDERSTOOD, Event.GAVE_UP}:
             changes["attempts"] = row.attempts + 1
@@ -155,14 +169,22 @@ class Conduct:
         if changes["stage"] in {Stage.RETURNED, Stage.EXCLUDED}:
             free_tasks(tx, session)
         note(tx, session, row.origin, event.value, request, {"stage": stage.value})
-        return self._standing(tx, self._change(tx, row, request, **changes))
+        return self._now(tx, self._standing(tx, self._change(tx, row, request, **changes)))
 
-    def _locked(self, tx: Transaction, session: str, request: Request) -> tuple[Session, bool]:
-        """Return a session, which nobody else changes meanwhile, and whether the request is a known one."""
+    def _found(self, tx: Transaction, session: str, request: Request) -> tuple[Standing, bool]:
+        """Return where a session stands, and whether the request is a known one: from memory if possible."""
+        remembered = tx.recall(session)
+        if isinstance(remembered, Standing):
+            return remembered, False
         row = tx.lock_session(session, request.id)
         if row is None:
             raise UnknownSessionError("there is no such session")
-        return _session_of(row), bool(row.is_repeated)
+        return self._standing(tx, _session_of(row)), bool(row.is_repeated)
+
+    def _now(self, tx: Transaction, standing: Standing) -> Standing:
+        """Remember where a session stands now."""
+        tx.remember(standing.session.id, standing)
+        return standing
 
     def _standing(self, tx: Transaction, session: Session) -> Standing:
         assignments = tx.all(tables.ASSIGNMENTS, "position", session=session.id)
@@ -176,15 +198,8 @@ class Conduct:
         )
         announced = parse_action(assignment.announced) if assignment.announced else None
         material = self.materials.material(assignment.task, session.condition)
-        return Standing(session, num_tasks, assignment, material, Moment(steps, announced))
-
-    def _task(self, tx: Transaction, row: Session, number: int | None) -> tuple[Standing, Material, Moment]:
-        standing = self._standing(tx, row)
-        if standing.material is None or standing.moment is None:
-            raise ConflictError(f"no task is under way in the stage {row.stage!r}")
-        if number is not None and number != len(standing.moment.steps):
-            raise ConflictError("the task has gone on meanwhile")
-        return standing, standing.material, standing.moment
+        under_way = Assignment(assignment.id, assignment.task, assignment.announced, assignment.started)
+        return Standing(session, num_tasks, under_way, material, Moment(steps, announced))
 
     def _record(
         self, tx: Transaction, standing: Standing, before: Moment, after: Moment, request: Request
@@ -233,18 +248,23 @@ class Conduct:
             raise ConflictError("no task is under way")
         is_over = material.game.is_over(after)
         announced = format_action(after.announced) if after.announced else None
-        if is_over or announced != assignment.announced or assignment.started is None:
+        before, assignment = (
+            assignment,
+            replace(assignment, announced=announced, started=assignment.started or request.time),
+        )
+        if is_over or assignment != before:
             tx.change(
                 tables.ASSIGNMENTS,
                 {"id": assignment.id},
                 announced=announced,
-                started=assignment.started or request.time,
+                started=assignment.started,
                 ended=request.time if is_over else None,
                 status="done" if is_over else "started",
             )
         note(tx, row.id, row.origin, kind, request, {"position": row.position, **data})
         if not is_over:
-            return replace(standing, session=self._change(tx, row, request), moment=after)
+            session = self._change(tx, row, request)
+            return self._now(tx, replace(standing, session=session, assignment=assignment, moment=after))
         if standing.stage is Stage.PRACTICE:
             session = self._change(tx, row, request, stage=advance(Stage.PRACTICE, Event.PRACTISED).value)
         else:
@@ -252,17 +272,27 @@ class Conduct:
             stage = advance(Stage.TASKS, Event.FINISHED_TASKS if is_last else Event.FINISHED_TASK)
             position = row.position + (not is_last)
             session = self._change(tx, row, request, stage=stage.value, position=position)
-        return self._standing(tx, session)
+        return self._now(tx, self._standing(tx, session))
 
     def _has_practised(self, tx: Transaction, session: Session) -> bool:
         practice = tx.find(tables.ASSIGNMENTS, session=session.id, position=0)
         return practice is not None and practice.status == "done"
 
     def _change(self, tx: Transaction, session: Session, request: Request, **values: Any) -> Session:  # noqa: ANN401
-        """Change a session; its revision tells other tabs."""
+        """Change a session, if nothing has changed it meanwhile; its revision tells, also other tabs."""
         changed = replace(session, revision=session.revision + 1, **values)
-        tx.change(tables.SESSIONS, {"id": session.id}, revision=changed.revision, seen=request.time, **values)
+        key = {"id": session.id, "revision": session.revision}
+        tx.change(tables.SESSIONS, key, revision=changed.revision, seen=request.time, **values)
         return changed
+
+
+def _task(standing: Standing, number: int | None) -> tuple[Material, Moment]:
+    """Return the task under way, of which ``number`` steps have been taken."""
+    if standing.material is None or standing.moment is None:
+        raise ConflictError(f"no task is under way in the stage {standing.stage.value!r}")
+    if number is not None and number != len(standing.moment.steps):
+        raise ConflictError("the task has gone on meanwhile")
+    return standing.material, standing.moment
 
 
 def _session_of(row: Row) -> Session:

@@ -12,7 +12,7 @@ from explicable.study.ledger import OPEN_STAGES, Request, free_tasks, note
 from explicable.study.materials import PRACTICE, Materials
 from explicable.study.protocol import ConflictError, Event, Stage, advance
 from explicable.study.recruitment import Recruit
-from explicable.study.store import Place, Transaction
+from explicable.study.transaction import Place, Transaction
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -115,7 +115,8 @@ def free_places(materials: Materials, tx: Transaction, now: float) -> int:
         free_tasks(tx, session)
         request = Request(f"timed-out-{secrets.token_hex(8)}", now)
         note(tx, session, row.origin, Event.TIMED_OUT.value, request, {"stage": row.stage})
-        tx.change(tables.SESSIONS, {"id": session}, stage=stage.value, revision=row.revision + 1)
+        key = {"id": session, "revision": row.revision}
+        tx.change(tables.SESSIONS, key, stage=stage.value, revision=row.revision + 1)
     return len(silent)
 
 

@@ -26,7 +26,7 @@ from explicable.model.plan import parse_action
 from explicable.study.codebook import COLUMNS, TABLES, format_codebook
 from explicable.study.materials import Materials
 from explicable.study.records import labelled_steps, whole_table
-from explicable.study.store import Row, Transaction
+from explicable.study.transaction import Row, Transaction
 
 Record = Mapping[str, Any]
 

@@ -14,7 +14,8 @@ from explicable.study import schema as tables
 from explicable.study.config import FILE
 from explicable.study.materials import Materials, read_materials
 from explicable.study.security import Keys, hash_password
-from explicable.study.store import DATABASE, Store, Transaction, migrate, sqlite_url
+from explicable.study.store import DATABASE, Store, migrate, sqlite_url
+from explicable.study.transaction import Transaction
 from explicable.study.words import language as load_language
 
 HERE = Path(__file__).parent

@@ -6,7 +6,7 @@ Either way its whole state is a `Moment`: the steps so far with their labels, an
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from explicable.execution.episodes import Way, follow
 from explicable.labelling.traces import LabelledStep
@@ -22,7 +22,9 @@ Ask = Literal["after", "before"]
 Next = Callable[["State", "tuple[GroundAtom, ...]", "Request | None"], "GroundAtom | None"]
 """Chooses the next step from the state, the actions so far and the present request; None: wait."""
 
-_MOST_STATES = 20_000
+Situation: TypeAlias = "tuple[State, tuple[Request, ...]]"
+
+_MOST_SITUATIONS = 20_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,25 +71,13 @@ class Game:
     choose: Next
     length: int | None = None
     expected: "Callable[[tuple[GroundAtom, ...]], GroundAtom | None]" = lambda _: None
-    _states: "dict[tuple[GroundAtom, ...], State]" = field(default_factory=dict, compare=False, repr=False)
+    _situations: "dict[tuple[GroundAtom, ...], Situation]" = field(
+        default_factory=dict, compare=False, repr=False
+    )
 
     def state(self, moment: Moment) -> "State":
         """Return the true state, in which all the steps have been taken."""
-        actions = moment.actions
-        known = self._states.get(actions)
-        if known is not None:
-            return known
-        truth = self.setting.truth
-        state = truth.task.initial_state if not actions else self.state(Moment(moment.steps[:-1]))
-        for action in actions[-1:]:
-            operator = truth.operator(state, action)
-            if operator is None:
-                raise ConflictError("that step is not possible now")
-            state = truth.task.successor(state, operator)
-        if len(self._states) >= _MOST_STATES:
-            self._states.clear()  # it is only a memory: everything in it can be worked out again
-        self._states[actions] = state
-        return state
+        return self._situation(moment.actions)[0]
 
     def question(self, moment: Moment) -> "GroundAtom | None":
         """Return the robot's step that the person is asked about, if there is one."""
@@ -106,15 +96,8 @@ class Game:
 
     def request(self, moment: Moment) -> "Request | None":
         """Return the last thing asked for that has neither been got nor withdrawn."""
-        truth, standing = self.setting.truth, dict[str, "Request"]()
-        for action in moment.actions:
-            asked = truth.requests.get(action)
-            standing = {key: r for key, r in standing.items() if action not in r.fulfilled_by}
-            if asked is not None:
-                standing.pop(" ".join(action), None)
-                standing[" ".join(action)] = asked
-        state = self.state(moment)
-        return next((r for r in reversed(standing.values()) if truth.stands(state, r)), None)
+        state, asked = self._situation(moment.actions)
+        return next((r for r in reversed(asked) if self.setting.truth.stands(state, r)), None)
 
     def commands(self, moment: Moment) -> "tuple[GroundAtom, ...]":
         """Return what the person can ask for now; nothing where a plan is replayed."""
@@ -171,6 +154,26 @@ class Game:
         if action not in self.commands(moment):
             raise ConflictError("that can't be commanded now")
         return self._take(replace(moment, announced=None), action, None)
+
+    def _situation(self, actions: "tuple[GroundAtom, ...]") -> "Situation":
+        """Return the state after some actions, and what was asked for and not got, the latest last."""
+        length = len(actions)
+        while length and actions[:length] not in self._situations:
+            length -= 1
+        truth = self.setting.truth
+        situation = self._situations[actions[:length]] if length else (truth.task.initial_state, ())
+        for number in range(length, len(actions)):
+            (state, asked), action = situation, actions[number]
+            operator = truth.operator(state, action)
+            if operator is None:
+                raise ConflictError("that step is not possible now")
+            request = truth.requests.get(action)
+            left = tuple(r for r in asked if action not in r.fulfilled_by and r is not request)
+            situation = truth.task.successor(state, operator), (*left, request) if request else left
+            if len(self._situations) >= _MOST_SITUATIONS:
+                self._situations.clear()  # it is only a memory: everything in it can be worked out again
+            self._situations[actions[: number + 1]] = situation
+        return situation
 
     def _take(self, moment: Moment, action: "GroundAtom", label: bool | None) -> Moment:
         agent = self.setting.problem.agent_of(action).name

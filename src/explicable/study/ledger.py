@@ -1,11 +1,12 @@
 """What the database keeps of requests: who asked for what, when, and whether it was done before."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from explicable.study import schema as tables
 from explicable.study.protocol import ACTIVE
-from explicable.study.store import Transaction, to_json
+from explicable.study.transaction import Transaction
 
 OPEN_STAGES = [stage.value for stage in ACTIVE]
 
@@ -45,7 +46,7 @@ def note(
         origin=origin,
         kind=kind,
         request=request.id,
-        data=to_json(data),
+        data=json.dumps(data, ensure_ascii=False, sort_keys=True),
         latency_s=request.latency_s,
         client_time=request.client_time,
         server_time=request.time,

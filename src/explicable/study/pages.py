@@ -18,7 +18,7 @@ from explicable.study.pictures import map_key
 from explicable.study.protocol import Event, Stage
 from explicable.study.recruitment import return_link
 from explicable.study.security import Keys
-from explicable.study.view import view_of
+from explicable.study.view import Views
 
 HERE = Path(__file__).parent
 MOST_COMMENT = 5000
@@ -41,6 +41,7 @@ class Pages:
 
     materials: Materials
     keys: Keys
+    views: Views
 
     @cached_property
     def templates(self) -> jinja2.Environment:
@@ -115,7 +116,7 @@ class Pages:
                 has_replay="replay" in kinds,
             )
         elif stage in {Stage.PRACTICE, Stage.TASKS}:
-            view = view_of(standing, self.materials.language)
+            view = self.views.view(standing)
             values.update(
                 view=view,
                 picture=Markup(view.picture or ""),  # noqa: S704 (the package's own, escaped where it is made)

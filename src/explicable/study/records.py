@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import sqlalchemy as sql
 
 from explicable.study import schema as tables
-from explicable.study.store import Row, Transaction
+from explicable.study.transaction import Row, Transaction
 
 A, E, L, P, S, T = (
     tables.ASSIGNMENTS,

@@ -13,7 +13,9 @@ from explicable.study.conduct import Conduct
 from explicable.study.materials import Materials
 from explicable.study.pages import Pages
 from explicable.study.security import SESSION_COOKIE, Keys
-from explicable.study.store import Store, Transaction
+from explicable.study.store import Store
+from explicable.study.transaction import Transaction
+from explicable.study.view import Views
 from explicable.study.watch import Watch
 
 T = TypeVar("T")
@@ -28,6 +30,7 @@ class Server:
     keys: Keys
     conduct: Conduct
     pages: Pages
+    views: Views
     closing: threading.Event
 
     @cached_property

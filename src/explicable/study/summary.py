@@ -14,7 +14,7 @@ from explicable.errors import UsageError
 from explicable.labelling.annotators import krippendorff_alpha
 from explicable.study.materials import Materials
 from explicable.study.records import LabelRow, count_stages, count_steps, count_tasks, read_labels
-from explicable.study.store import Transaction
+from explicable.study.transaction import Transaction
 
 NUM_RESAMPLES = 1000
 

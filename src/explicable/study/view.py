@@ -1,5 +1,6 @@
 """What a participant is shown: nothing that is hidden from people, nothing that tells who made a plan."""
 
+from dataclasses import dataclass, field
 from typing import Literal
 
 from pydantic import BaseModel
@@ -14,6 +15,8 @@ from explicable.study.sentences import changed
 from explicable.study.words import Language
 
 Phase = Literal["question", "moving", "waiting", "over"]
+
+_MOST_LOOKS = 10_000
 
 
 class CommandView(BaseModel):
@@ -52,49 +55,87 @@ class View(BaseModel):
     operator: str | None = None
 
 
-def view_of(standing: Standing, language: Language) -> View:
-    """Describe where a session stands in words and pictures."""
-    session, material, moment = standing.session, standing.material, standing.moment
-    if material is None or moment is None:
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """How a task looks: the same whenever it is in the same state by the same step."""
+
+    picture: str | None
+    sentence: str
+    announced: str
+    commands: list[CommandView]
+
+
+@dataclass(frozen=True)
+class Views:
+    """Describes in words and pictures where sessions stand; what has been drawn is remembered.
+
+    Parameters
+    ----------
+    language
+        What participants read.
+    """
+
+    language: Language
+    _looks: dict[object, _Look] = field(default_factory=dict, compare=False, repr=False)
+
+    def view(self, standing: Standing) -> View:
+        """Describe where a session stands."""
+        session, material, moment = standing.session, standing.material, standing.moment
+        if material is None or moment is None:
+            return View(
+                stage=session.stage,
+                position=session.position,
+                num_tasks=standing.num_tasks,
+                revision=session.revision,
+                number=0,
+                phase="over",
+                is_replay=False,
+            )
+        game, condition = material.game, material.condition
+        request = game.request(moment)
+        look = self._look(material, moment, request.action if request else None)
+        true, false = _changes(material, moment)
+        is_simulated = session.origin == "simulated"
         return View(
             stage=session.stage,
             position=session.position,
             num_tasks=standing.num_tasks,
             revision=session.revision,
-            number=0,
-            phase="over",
-            is_replay=False,
+            number=len(moment.steps),
+            phase=phase_of(material, moment),
+            is_replay=game.length is not None,
+            picture=look.picture,
+            sentence=look.sentence,
+            announced=look.announced,
+            became_true=[material.wording.fact(atom) for atom in true],
+            became_false=[material.wording.fact(atom) for atom in false],
+            commands=look.commands,
+            wait_s=condition.step_s if request or game.length is not None else condition.idle_step_s,
+            task=material.task.name if is_simulated else None,
+            condition=condition.name if is_simulated else None,
+            operator=operator_of(moment) if is_simulated else None,
         )
-    game, last = material.game, moment.steps[-1] if moment.steps else None
-    request = game.request(moment)
-    wording, translate = material.wording, language.text
-    sentence = wording.sentence(last.action, last.agent) if last else ""
-    announced = ""
-    if moment.announced:
-        agent = material.problem.agent_of(moment.announced).name
-        announced = wording.sentence(moment.announced, agent)
-    true, false = _changes(material, moment)
-    is_simulated = session.origin == "simulated"
-    condition = material.condition
-    return View(
-        stage=session.stage,
-        position=session.position,
-        num_tasks=standing.num_tasks,
-        revision=session.revision,
-        number=len(moment.steps),
-        phase=phase_of(material, moment),
-        is_replay=game.length is not None,
-        picture=_picture(material, moment, request.action if request else None, translate),
-        sentence=sentence,
-        announced=announced,
-        became_true=[wording.fact(atom) for atom in true],
-        became_false=[wording.fact(atom) for atom in false],
-        commands=commands_of(material, moment, request.action if request else None),
-        wait_s=condition.step_s if request or game.length is not None else condition.idle_step_s,
-        task=material.task.name if is_simulated else None,
-        condition=condition.name if is_simulated else None,
-        operator=operator_of(moment) if is_simulated else None,
-    )
+
+    def _look(self, material: Material, moment: Moment, target: GroundAtom | None) -> _Look:
+        last = moment.steps[-1] if moment.steps else None
+        step = last and (last.agent, last.action)
+        names = material.task.name, material.condition.name
+        key = (*names, material.game.state(moment), step, moment.announced, target)
+        look = self._looks.get(key)
+        if look is None:
+            if len(self._looks) >= _MOST_LOOKS:
+                self._looks.clear()
+            look = self._looks[key] = _Look(
+                _picture(material, moment, target, self.language.text),
+                _said(material, last.action) if last else "",
+                _said(material, moment.announced) if moment.announced else "",
+                commands_of(material, moment, target),
+            )
+        return look
+
+
+def _said(material: Material, action: GroundAtom) -> str:
+    return material.wording.sentence(action, material.problem.agent_of(action).name)
 
 
 def operator_of(moment: Moment) -> str | None:

@@ -8,17 +8,19 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import Future
 from queue import SimpleQueue
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
-from sqlalchemy import Connection, Engine
+from sqlalchemy import Engine
 from sqlalchemy.exc import OperationalError
 
 from explicable.errors import ExplicableError
+from explicable.study.transaction import OutdatedError, Transaction
 
 T = TypeVar("T")
-Job = Callable[[Connection], T]
+Entry: TypeAlias = tuple[Callable[[Transaction], Any], "Future[Any]"]
 
 _MOST_AT_ONCE = 128
+_MOST_REMEMBERED = 10_000
 
 
 class UnavailableError(ExplicableError):
@@ -28,70 +30,84 @@ class UnavailableError(ExplicableError):
 class Writer:
     """Runs jobs in transactions, in the order in which they come.
 
+    Jobs that wait together are run together, from what was remembered (`Transaction.recall`), and committed
+    together. A job that fails then, or all of them if the database refuses them, is run once more: alone, and
+    from what the database holds. So a job must not do anything but to talk to its transaction.
+
     Parameters
     ----------
     engine
         Of the database.
-    shares_commits
-        Whether jobs that wait together are committed together. A job that fails then makes all of them run
-        again, each alone; so a job must not do anything but to talk to the database.
-    num_threads
-        More than one only where the database itself keeps jobs apart.
     """
 
-    def __init__(self, engine: Engine, *, shares_commits: bool = True, num_threads: int = 1) -> None:
+    def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self._most = _MOST_AT_ONCE if shares_commits else 1
-        self._queue: SimpleQueue[tuple[Job[Any], Future[Any]] | None] = SimpleQueue()
-        self._threads = [
-            threading.Thread(target=self._work, name=f"study-writer-{number}", daemon=True)
-            for number in range(num_threads)
-        ]
-        for thread in self._threads:
-            thread.start()
+        self._memory: dict[str, object] = {}
+        self._queue: SimpleQueue[Entry | None] = SimpleQueue()
+        self._thread = threading.Thread(target=self._work, name="study-writer", daemon=True)
+        self._thread.start()
 
-    def submit(self, job: Job[T]) -> "Future[T]":
+    def submit(self, job: Callable[[Transaction], T]) -> "Future[T]":
         """Let a job run; its future is done when what it did is on the disk."""
         future: Future[T] = Future()
         self._queue.put((job, future))
         return future
 
-    def run(self, job: Job[T]) -> T:
-        """Run a job and wait for it."""
-        return self.submit(job).result()
-
     def close(self) -> None:
         """Finish what was asked for, then stop."""
-        for _ in self._threads:
-            self._queue.put(None)
-        for thread in self._threads:
-            thread.join()
+        self._queue.put(None)
+        self._thread.join()
 
     def _work(self) -> None:
-        while (first := self._queue.get()) is not None:
-            batch = [first]
-            is_last = False
-            while len(batch) < self._most and not self._queue.empty():
-                entry = self._queue.get()
-                if entry is None:
-                    is_last = True
+        entry = self._queue.get()
+        while entry is not None:
+            batch = []
+            while entry is not None:
+                if entry[1].set_running_or_notify_cancel():
+                    batch.append(entry)
+                if len(batch) == _MOST_AT_ONCE or self._queue.empty():
                     break
-                batch.append(entry)
-            self._commit(batch)
-            if is_last:
-                return
+                entry = self._queue.get()
+            for job, future in self._run_together(batch):
+                self._run_alone(job, future)
+            entry = entry and self._queue.get()
 
-    def _commit(self, batch: list[tuple[Job[Any], "Future[Any]"]]) -> None:
+    def _run_together(self, batch: list[Entry]) -> list[Entry]:
+        """Run jobs in one transaction; return those of which nothing is done."""
+        done, left = [], []
         try:
             with self._engine.begin() as connection:
-                results = [job(connection) for job, _ in batch]
-        except BaseException as error:
-            if len(batch) == 1:
-                gone = isinstance(error, OperationalError)
-                batch[0][1].set_exception(UnavailableError("the database does not answer") if gone else error)
-                return
-            for entry in batch:
-                self._commit([entry])
-            return
-        for (_, future), result in zip(batch, results, strict=True):
+                tx = Transaction(connection, self._memory)
+                for job, future in batch:
+                    try:
+                        done.append((future, tx.attempt(job)))
+                    except OutdatedError:
+                        raise
+                    except ExplicableError:
+                        left.append((job, future))
+                tx.send()
+        except Exception:  # whose fault it is shows when each runs alone
+            return batch
+        self._remember(tx)
+        for future, result in done:
             future.set_result(result)
+        return left
+
+    def _run_alone(self, job: Callable[[Transaction], Any], future: "Future[Any]") -> None:
+        try:
+            with self._engine.begin() as connection:
+                tx = Transaction(connection)
+                result = job(tx)
+                tx.send()
+        except OperationalError:
+            future.set_exception(UnavailableError("the database does not answer"))
+        except BaseException as error:  # the asker's to handle: this thread goes on
+            future.set_exception(error)
+        else:
+            self._remember(tx)
+            future.set_result(result)
+
+    def _remember(self, tx: Transaction) -> None:
+        self._memory.update(tx.remembered)
+        while len(self._memory) > _MOST_REMEMBERED:
+            del self._memory[next(iter(self._memory))]
