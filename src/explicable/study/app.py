@@ -3,24 +3,24 @@
 import asyncio
 import threading
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from importlib import metadata
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import TypeVar
 
 from fastapi import APIRouter, FastAPI, HTTPException
 from fastapi import Request as HTTPRequest
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse, RedirectResponse, Response, StreamingResponse
+from fastapi.responses import JSONResponse, RedirectResponse, Response
 from fastapi.staticfiles import StaticFiles
-from pydantic import BaseModel, Field, FiniteFloat
 from starlette.exceptions import HTTPException as AnyHTTPException
 
 from explicable.errors import InputError
-from explicable.study.conduct import Conduct, Standing, UnknownSessionError
+from explicable.study.conduct import Conduct, UnknownSessionError
 from explicable.study.enrolment import NoPlaceError, RepeatError, start
 from explicable.study.forms import read_form
+from explicable.study.interface import Problem, add_interface
 from explicable.study.ledger import Request
 from explicable.study.pages import Pages
 from explicable.study.protocol import ACTIVE, ConflictError
@@ -29,43 +29,11 @@ from explicable.study.security import SESSION_COOKIE, Guard, Keys, Limiter
 from explicable.study.server import Server
 from explicable.study.store import Store
 from explicable.study.transaction import Transaction
-from explicable.study.view import View, Views
+from explicable.study.view import Views
 from explicable.study.writer import UnavailableError
 
 HERE = Path(__file__).parent
 T = TypeVar("T")
-
-RequestId = Annotated[str, Field(pattern=r"^[A-Za-z0-9-]{8,64}$")]
-
-
-class Move(BaseModel):
-    """Asks for the next step of the task; ``number`` steps have been seen."""
-
-    request_id: RequestId
-    number: Annotated[int, Field(ge=0, le=100_000)]
-    client_time: FiniteFloat | None = None
-
-
-class Answer(Move):
-    """Says whether the step that is asked about makes sense."""
-
-    explicable: bool
-    latency_s: Annotated[FiniteFloat, Field(ge=0, le=1e6)] | None = None
-
-
-class Order(BaseModel):
-    """Gives a command, by its operator."""
-
-    request_id: RequestId
-    operator: Annotated[str, Field(min_length=3, max_length=500)]
-    client_time: FiniteFloat | None = None
-
-
-class Problem(BaseModel):
-    """Why a request was not carried out, and how things stand."""
-
-    error: str
-    view: View | None = None
 
 
 def create_app(
@@ -113,10 +81,10 @@ def create_app(
     )
     rate = 1e9 if trusts_floods else 1.0
     app.add_middleware(Guard, session=Limiter(20 * rate, 60 * rate), address=Limiter(20 * rate, 200 * rate))
+    add_interface(app, server)
     app.mount("/static", StaticFiles(directory=HERE / "static"))
     _handle_errors(app, server)
     app.include_router(_page_routes(server))
-    app.include_router(_script_routes(server))
     app.include_router(admin.routes(server, Limiter(0.2 * rate, 10 * rate)))
     return app
 
@@ -226,76 +194,3 @@ def _page_routes(server: Server) -> APIRouter:
         return pages.session(standing, {}, filled_in=form)
 
     return routes
-
-
-def _script_routes(server: Server) -> APIRouter:
-    routes = APIRouter(
-        prefix="/api",
-        responses={code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429, 503)},
-    )
-    conduct, views = server.conduct, server.views
-    has_teaming = any(condition.mode == "teaming" for condition in server.materials.study.conditions)
-
-    @routes.get("/view")
-    async def view(request: HTTPRequest) -> View:
-        session = server.session(request)
-        return await server.read(lambda tx: views.view(conduct.standing(tx, session)))
-
-    async def think_ahead(session: str) -> None:
-        """Let the robot plan before the transaction in which it moves: nobody waits for a plan then.
-
-        The transaction finds the plan, unless the task has gone on meanwhile: then it refuses the step.
-        """
-        standing = await server.read(lambda tx: conduct.standing(tx, session))
-        if standing.material is not None and standing.moment is not None and standing.is_teaming:
-            await asyncio.to_thread(standing.material.game.upcoming, standing.moment)
-
-    async def carry_out(request: HTTPRequest, job: Callable[[Transaction, str], Standing]) -> Response:
-        session = server.own_session(request, request.headers.get("x-token"))
-        try:
-            standing = await server.write(lambda tx: job(tx, session))
-        except UnknownSessionError:
-            raise
-        except ConflictError as error:
-            shown = await server.read(lambda tx: views.view(conduct.standing(tx, session)))
-            return _json(Problem(error=str(error), view=shown), 409)
-        if standing.is_teaming:
-            # The robot may plan now: aside, so that others need not wait.
-            return _json(await asyncio.to_thread(views.view, standing))
-        return _json(views.view(standing))
-
-    @routes.post("/step", response_model=View)
-    async def step(request: HTTPRequest, move: Move) -> Response:
-        asked = Request(move.request_id, time.time(), move.client_time)
-        if has_teaming:
-            await think_ahead(server.own_session(request, request.headers.get("x-token")))
-        return await carry_out(request, lambda tx, session: conduct.step(tx, session, asked, move.number))
-
-    @routes.post("/answer", response_model=View)
-    async def answer(request: HTTPRequest, answer: Answer) -> Response:
-        asked = Request(answer.request_id, time.time(), answer.client_time, answer.latency_s)
-        return await carry_out(
-            request,
-            lambda tx, session: conduct.answer(
-                tx, session, asked, answer.number, explicable=answer.explicable
-            ),
-        )
-
-    @routes.post("/command", response_model=View)
-    async def command(request: HTTPRequest, order: Order) -> Response:
-        asked = Request(order.request_id, time.time(), order.client_time)
-        return await carry_out(
-            request, lambda tx, session: conduct.command(tx, session, asked, order.operator)
-        )
-
-    @routes.get("/changes", include_in_schema=False)
-    async def changes(request: HTTPRequest) -> Response:
-        session = server.session(request)
-        stream = server.watch.listen(session, request.is_disconnected)
-        return StreamingResponse(stream, media_type="text/event-stream")
-
-    return routes
-
-
-def _json(model: BaseModel, status: int = 200) -> Response:
-    return Response(model.model_dump_json(), status, media_type="application/json")

@@ -4,7 +4,7 @@ import asyncio
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeVar
 
 from fastapi import HTTPException, Request
@@ -19,6 +19,8 @@ from explicable.study.view import Views
 from explicable.study.watch import Watch
 
 T = TypeVar("T")
+
+_MOST_COOKIES = 10_000
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,17 @@ class Server:
         """What tells open pages of changes."""
         return Watch(lambda since: self.read(lambda tx: tx.changed_since(since)), self.closing.is_set)
 
+    @cached_property
+    def named_session(self) -> Callable[[str | None], str | None]:
+        """Returns the session that a cookie names, if it was signed here; remembers the latest."""
+
+        @lru_cache(maxsize=_MOST_COOKIES)
+        def named(cookie: str | None) -> str | None:
+            session = self.keys.read("session", cookie)
+            return session if isinstance(session, str) else None
+
+        return named
+
     async def write(self, job: Callable[[Transaction], T]) -> T:
         """Let a job run that may write; done when what it did is on the disk."""
         result: T = await asyncio.wrap_future(self.store.submit(job))
@@ -55,8 +68,8 @@ class Server:
         HTTPException
             401 without a cookie that was signed here.
         """
-        session = self.keys.read("session", request.cookies.get(SESSION_COOKIE))
-        if not isinstance(session, str):
+        session = self.named_session(request.cookies.get(SESSION_COOKIE))
+        if session is None:
             raise HTTPException(401, "no session: please open the link of the study again")
         return session
 

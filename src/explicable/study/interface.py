@@ -1,0 +1,151 @@
+"""The interface for scripts: what pages send while a task is under way, and what they get to see.
+
+It is what a server does most, so its routes are the first, and read their bodies without detours.
+"""
+
+import asyncio
+import time
+from collections.abc import Callable
+from typing import Annotated, Any, get_type_hints
+
+from fastapi import FastAPI
+from fastapi import Request as HTTPRequest
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import Response, StreamingResponse
+from fastapi.routing import APIRoute
+from pydantic import BaseModel, Field, FiniteFloat, TypeAdapter, ValidationError
+from starlette.types import Receive, Scope, Send
+
+from explicable.study.conduct import Standing, UnknownSessionError
+from explicable.study.ledger import Request
+from explicable.study.protocol import ConflictError
+from explicable.study.server import Server
+from explicable.study.transaction import Transaction
+from explicable.study.view import View
+
+RequestId = Annotated[str, Field(pattern=r"^[A-Za-z0-9-]{8,64}$")]
+
+
+class Move(BaseModel):
+    """Asks for the next step of the task; ``number`` steps have been seen."""
+
+    request_id: RequestId
+    number: Annotated[int, Field(ge=0, le=100_000)]
+    client_time: FiniteFloat | None = None
+
+
+class Answer(Move):
+    """Says whether the step that is asked about makes sense."""
+
+    explicable: bool
+    latency_s: Annotated[FiniteFloat, Field(ge=0, le=1e6)] | None = None
+
+
+class Order(BaseModel):
+    """Gives a command, by its operator."""
+
+    request_id: RequestId
+    operator: Annotated[str, Field(min_length=3, max_length=500)]
+    client_time: FiniteFloat | None = None
+
+
+class Problem(BaseModel):
+    """Why a request was not carried out, and how things stand."""
+
+    error: str
+    view: View | None = None
+
+
+class DirectRoute(APIRoute):
+    """A POST route with a JSON body that is described like any other, and served without detours.
+
+    The endpoint takes ``request`` and ``body``, and returns a response.
+    """
+
+    def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:  # noqa: ANN401
+        super().__init__(path, endpoint, **options)
+        (body,) = (
+            kind for name, kind in get_type_hints(endpoint).items() if name not in {"request", "return"}
+        )
+        self.body = TypeAdapter(body)
+
+    async def handle(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handle one request."""
+        if scope["method"] != "POST":
+            await super().handle(scope, receive, send)
+            return
+        request = HTTPRequest(scope, receive, send)
+        if not request.headers.get("content-type", "").startswith("application/json"):
+            raise RequestValidationError([{"loc": ("body",), "msg": "JSON is expected"}])
+        try:
+            body = self.body.validate_json(await request.body())
+        except ValidationError as error:
+            raise RequestValidationError(
+                [{**problem, "loc": ("body", *problem["loc"])} for problem in error.errors()]
+            ) from error
+        response = await self.endpoint(request, body)
+        await response(scope, receive, send)
+
+
+def add_interface(app: FastAPI, server: Server) -> None:
+    """Add the interface's routes."""
+    conduct, views = server.conduct, server.views
+    responses: dict[int | str, dict[str, Any]] = {
+        code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429, 503)
+    }
+
+    @app.get("/api/view", responses=responses)
+    async def view(request: HTTPRequest) -> View:
+        session = server.session(request)
+        return await server.read(lambda tx: views.view(conduct.standing(tx, session)))
+
+    async def carry_out(request: HTTPRequest, job: Callable[[Transaction, str], Standing]) -> Response:
+        session = server.own_session(request, request.headers.get("x-token"))
+        try:
+            standing = await server.write(lambda tx: job(tx, session))
+        except UnknownSessionError:
+            raise
+        except ConflictError as error:
+            shown = await server.read(lambda tx: views.view(conduct.standing(tx, session)))
+            return _json(Problem(error=str(error), view=shown), 409)
+        if standing.material is not None and standing.material.condition.mode == "teaming":
+            # The robot may plan now: aside, so that others need not wait.
+            return _json(await asyncio.to_thread(views.view, standing))
+        return _json(views.view(standing))
+
+    async def step(request: HTTPRequest, body: Move) -> Response:
+        asked = Request(body.request_id, time.time(), body.client_time)
+        return await carry_out(request, lambda tx, session: conduct.step(tx, session, asked, body.number))
+
+    async def answer(request: HTTPRequest, body: Answer) -> Response:
+        asked = Request(body.request_id, time.time(), body.client_time, body.latency_s)
+        return await carry_out(
+            request,
+            lambda tx, session: conduct.answer(tx, session, asked, body.number, explicable=body.explicable),
+        )
+
+    async def command(request: HTTPRequest, body: Order) -> Response:
+        asked = Request(body.request_id, time.time(), body.client_time)
+        return await carry_out(
+            request, lambda tx, session: conduct.command(tx, session, asked, body.operator)
+        )
+
+    for act in (step, answer, command):
+        app.router.add_api_route(
+            f"/api/{act.__name__}",
+            act,
+            methods=["POST"],
+            response_model=View,
+            responses=responses,
+            route_class_override=DirectRoute,
+        )
+
+    @app.get("/api/changes", include_in_schema=False)
+    async def changes(request: HTTPRequest) -> Response:
+        session = server.session(request)
+        stream = server.watch.listen(session, request.is_disconnected)
+        return StreamingResponse(stream, media_type="text/event-stream")
+
+
+def _json(model: BaseModel, status: int = 200) -> Response:
+    return Response(model.model_dump_json(), status, media_type="application/json")
