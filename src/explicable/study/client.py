@@ -1,7 +1,7 @@
 """What a simulated participant needs of a browser: a connection that is kept, cookies, redirects.
 
-A thousand of them share a machine with the server that they test; this takes a twentieth of the processor time
-of a general HTTP library.
+A thousand of them share a machine with the server that they test; this takes a twentieth of the processor
+time of a general HTTP library.
 """
 
 import asyncio
@@ -9,7 +9,7 @@ import json
 import ssl
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 from urllib.parse import urlencode, urljoin, urlsplit
 
 import httptools
@@ -54,8 +54,7 @@ class _Connection(asyncio.Protocol):
         return await self._answered
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        assert isinstance(transport, asyncio.Transport)
-        self.transport, self.is_open = transport, True
+        self.transport, self.is_open = cast("asyncio.Transport", transport), True
 
     def connection_lost(self, _: Exception | None) -> None:
         self._fail("the connection is lost")
@@ -148,7 +147,7 @@ class Client:
             loop, is_safe = asyncio.get_running_loop(), place.scheme == "https"
             _, self._connection = await loop.create_connection(
                 _Connection,
-                place.hostname,
+                place.hostname or "",
                 place.port or (443 if is_safe else 80),
                 ssl=ssl.create_default_context() if is_safe else None,
             )

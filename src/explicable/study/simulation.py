@@ -6,6 +6,7 @@ They are test instruments: their link is signed by the study itself, and every r
 
 import asyncio
 import html
+import math
 import re
 import secrets
 import time
@@ -13,7 +14,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
-import httpx2
 import numpy as np
 
 from explicable.errors import InputError
@@ -21,6 +21,7 @@ from explicable.execution import Family, Participant, SimulatedPerson
 from explicable.execution import Game as Watched
 from explicable.labelling import LabelledStep
 from explicable.model.plan import format_action, parse_action
+from explicable.study.client import Answer, Client
 from explicable.study.game import Moment
 from explicable.study.materials import Material, Materials
 from explicable.study.security import Keys
@@ -53,8 +54,8 @@ class Tally:
         Requests that were sent again because nobody answered, or the server could not then.
     labels
         Every label that the server acknowledged: session, task's position, steps taken, label.
-    answer_s
-        Seconds that each acknowledged label took.
+    answer_s, answered
+        Seconds that each acknowledged label took, and when it came, by the clock `time.perf_counter`.
     """
 
     num_finished: int = 0
@@ -62,6 +63,7 @@ class Tally:
     num_resent: int = 0
     labels: list[tuple[str, int, int, bool]] = field(default_factory=list)
     answer_s: list[float] = field(default_factory=list)
+    answered: list[float] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,11 @@ class Simulation:
     seed
         Of all their chance.
     pace_s
-        Seconds that each waits before it answers.
+        Seconds between the labels of each: half before the robot's step, half before the answer.
+    arrival_s
+        Seconds over which they come.
+    until
+        When they stop wherever they are, by the clock `time.perf_counter`.
     """
 
     link: str
@@ -90,6 +96,12 @@ class Simulation:
     family: Family
     seed: int = 0
     pace_s: float = 0.0
+    arrival_s: float = 0.0
+    until: float = math.inf
+
+    def is_over(self) -> bool:
+        """Tell whether it is time to stop."""
+        return time.perf_counter() >= self.until
 
     def run(self, num: int, *, at_once: int = 8, tell: Callable[[Tally], None] = lambda _: None) -> Tally:
         """Let a number of participants take part, some of them at once.
@@ -105,6 +117,7 @@ class Simulation:
         tally, turn = Tally(), asyncio.Semaphore(at_once)
 
         async def take_part(number: int) -> None:
+            await asyncio.sleep(self.arrival_s * number / num)
             async with turn:
                 await _Visit(self, number, tally).take_part()
                 tell(tally)
@@ -122,23 +135,27 @@ class _Visit:
         self.simulation, self.tally = simulation, tally
         self.rng = np.random.default_rng((simulation.seed, number))
         self.participant = simulation.family.draw(number, self.rng)
-        self.client = httpx2.AsyncClient(base_url=simulation.link, follow_redirects=True, timeout=60)
+        self.client = Client(simulation.link)
         self.token = ""
 
     async def take_part(self) -> None:
-        async with self.client:
-            name = self.simulation.keys.sign("simulated", self.participant.name)
-            page = await self.fetch("GET", "/", params={"simulated": name})
-            form = dict(re.findall(r'<input type="hidden" name="(ticket)" value="([^"]*)"', page))
-            page = await self.fetch("POST", "/consent", data={**form, "decision": "yes"}, accepts=(200, 409))
-            while fields := _fields(page):
-                page = await self.go_on(fields)
-                if page == "":
-                    page = await self.fetch("GET", "/session")
-            if 'class="code"' in page:
-                self.tally.num_finished += 1
-            else:
-                self.tally.num_refused += 1
+        try:
+            page = await self.consent()
+            while not self.simulation.is_over() and (fields := _fields(page)):
+                page = await self.go_on(fields) or await self.fetch("GET", "/session")
+        finally:
+            self.client.close()
+        if 'class="code"' in page:
+            self.tally.num_finished += 1
+        elif not _fields(page):
+            self.tally.num_refused += 1
+
+    async def consent(self) -> str:
+        """Come by a signed link and consent; return the first page."""
+        name = self.simulation.keys.sign("simulated", self.participant.name)
+        page = await self.fetch("GET", "/", params={"simulated": name})
+        form = dict(re.findall(r'<input type="hidden" name="(ticket)" value="([^"]*)"', page))
+        return await self.fetch("POST", "/consent", data={**form, "decision": "yes"}, accepts=(200, 409))
 
     async def go_on(self, fields: dict[str, str]) -> str:
         """Do what a page asks for; return the next page, or nothing where it has to be fetched."""
@@ -161,48 +178,49 @@ class _Visit:
         place = view["stage"], view["position"]
         material = self.simulation.materials.material(view["task"], view["condition"])
         eye = _Eye(material, self.participant, self.rng)
-        while (view["stage"], view["position"]) == place:
+        while (view["stage"], view["position"]) == place and not self.simulation.is_over():
             path, body = eye.decide(view)
-            if self.simulation.pace_s:
-                await asyncio.sleep(self.simulation.pace_s * float(self.rng.uniform(0.5, 1.5)))
+            if self.simulation.pace_s and path != "/api/command":
+                await asyncio.sleep(self.simulation.pace_s / 2 * float(self.rng.uniform(0.5, 1.5)))
             began = time.perf_counter()
             view = await self.send(path, body)
             if path == "/api/answer":
                 self.tally.answer_s.append(time.perf_counter() - began)
+                self.tally.answered.append(time.perf_counter())
                 session = self.client.cookies.get("study") or ""
                 self.tally.labels.append((session, place[1], body["number"], body["explicable"]))
 
     async def fetch_view(self) -> dict[str, Any]:
         response = await self.request("GET", "/api/view")
-        return dict(response.json())
+        return response.json()
 
     async def send(self, path: str, body: dict[str, Any]) -> dict[str, Any]:
         body = {"request_id": secrets.token_hex(16), "client_time": time.time(), **body}
         response = await self.request("POST", path, json=body, headers={"X-Token": self.token})
-        return dict(response.json())
+        return response.json()
 
     async def fetch(
         self, method: str, path: str, accepts: tuple[int, ...] = (200,), **options: Unpack[_Options]
     ) -> str:
         response = await self.request(method, path, accepts, **options)
-        return str(response.text)
+        return response.text
 
     async def request(
         self, method: str, path: str, accepts: tuple[int, ...] = (200,), **options: Unpack[_Options]
-    ) -> httpx2.Response:
+    ) -> Answer:
         """Send a request, again and again as it is while nobody answers."""
         problem = "no answer"
         for attempt in range(_MAX_TRIES):
             self.tally.num_resent += attempt > 0
             try:
                 response = await self.client.request(method, path, **options)
-            except httpx2.TransportError as error:
+            except OSError as error:
                 problem = str(error) or type(error).__name__
             else:
-                if response.status_code in accepts:
+                if response.status in accepts:
                     return response
-                problem = f"{response.status_code}: {response.text[:200]}"
-                if response.status_code < 500 and response.status_code != 429:
+                problem = f"{response.status}: {response.text[:200]}"
+                if response.status < 500 and response.status != 429:
                     break
             await asyncio.sleep(_RETRY_S)
         raise InputError(f"{method} {path}: {problem}", path=self.simulation.link)
