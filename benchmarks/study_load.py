@@ -16,6 +16,7 @@ import platform
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import urllib.error
 import urllib.request
@@ -70,13 +71,13 @@ def serving(folder: Path, options: argparse.Namespace, database: str | None) -> 
         server.wait()
 
 
-def processor_s(name: str) -> float:
-    """Return the processor time of all processes below this one whose command line holds a word."""
-    spent = 0.0
+def processor_s() -> tuple[float, float, float]:
+    """Return the processor time so far of the server, of PostgreSQL, and of the participants."""
+    spent = {"serve": 0.0, "postgres": 0.0}
     for process in psutil.Process().children(recursive=True):
-        if name in " ".join(process.cmdline()):
-            spent += sum(process.cpu_times()[:2])
-    return spent
+        kind = "postgres" if "postgres" in process.name() else "serve"
+        spent[kind] += sum(process.cpu_times()[:2])
+    return spent["serve"], spent["postgres"], time.process_time()
 
 
 def percentiles(times: list[float]) -> dict[str, float]:
@@ -124,12 +125,13 @@ def measure(folder: Path, options: argparse.Namespace, database: str | None) -> 
             arrival_s=options.arrival,
             until=began + options.arrival + SETTLING_S + options.seconds,
         )
-        before = processor_s("serve"), processor_s("postgres"), time.process_time()
+        start, before = simulation.until - options.seconds, list[tuple[float, ...]]()
+        noting = threading.Timer(start - began, lambda: before.append(processor_s()))
+        noting.start()
         tally = simulation.run(options.num, at_once=options.num)
-        after = processor_s("serve"), processor_s("postgres"), time.process_time()
-    start = began + options.arrival + SETTLING_S
+        after = processor_s()
     times = [took for took, at in zip(tally.answer_s, tally.answered, strict=True) if at >= start]
-    spent = [1000 * (b - a) / len(tally.labels) for a, b in zip(before, after, strict=True)]
+    spent = [round(1000 * (b - a) / len(times), 2) for a, b in zip(*before, after, strict=True)]
     return {
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}",
@@ -142,9 +144,7 @@ def measure(folder: Path, options: argparse.Namespace, database: str | None) -> 
         "num_labels": len(times),
         "labels_per_s": round(len(times) / options.seconds, 1),
         **percentiles(times),
-        "processor_ms_per_label": dict(
-            zip(("server", "database", "participants"), (round(ms, 2) for ms in spent), strict=True)
-        ),
+        "processor_ms_per_label": dict(zip(("server", "database", "participants"), spent, strict=True)),
         **compare(tally, folder, database),
     }
 

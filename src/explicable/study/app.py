@@ -15,12 +15,13 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, RedirectResponse, Response
 from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException as AnyHTTPException
+from starlette.types import ASGIApp
 
 from explicable.errors import InputError
 from explicable.study.conduct import Conduct, UnknownSessionError
 from explicable.study.enrolment import NoPlaceError, RepeatError, start
 from explicable.study.forms import read_form
-from explicable.study.interface import Problem, add_interface
+from explicable.study.interface import FrontDoor, Problem, add_interface
 from explicable.study.ledger import Request
 from explicable.study.pages import Pages
 from explicable.study.protocol import ACTIVE, ConflictError
@@ -38,7 +39,7 @@ T = TypeVar("T")
 
 def create_app(
     folder: Path, url: str, *, trusts_floods: bool = False, closing: threading.Event | None = None
-) -> FastAPI:
+) -> ASGIApp:
     """Make the web application of a study whose database exists.
 
     Parameters
@@ -80,13 +81,13 @@ def create_app(
         openapi_url="/api/openapi.json",
     )
     rate = 1e9 if trusts_floods else 1.0
-    app.add_middleware(Guard, session=Limiter(20 * rate, 60 * rate), address=Limiter(20 * rate, 200 * rate))
     add_interface(app, server)
     app.mount("/static", StaticFiles(directory=HERE / "static"))
     _handle_errors(app, server)
     app.include_router(_page_routes(server))
     app.include_router(admin.routes(server, Limiter(0.2 * rate, 10 * rate)))
-    return app
+    session, address = Limiter(20 * rate, 60 * rate), Limiter(20 * rate, 200 * rate)
+    return Guard(FrontDoor(app), session=session, address=address)
 
 
 def _handle_errors(app: FastAPI, server: Server) -> None:

@@ -199,7 +199,7 @@ class Conduct:
         announced = parse_action(assignment.announced) if assignment.announced else None
         material = self.materials.material(assignment.task, session.condition)
         under_way = Assignment(assignment.id, assignment.task, assignment.announced, assignment.started)
-        return Standing(session, num_tasks, under_way, material, Moment(steps, announced))
+        return Standing(session, num_tasks, under_way, material, material.game.moment(steps, announced))
 
     def _record(
         self, tx: Transaction, standing: Standing, before: Moment, after: Moment, request: Request

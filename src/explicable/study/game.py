@@ -23,8 +23,7 @@ Next = Callable[["State", "tuple[GroundAtom, ...]", "Request | None"], "GroundAt
 """Chooses the next step from the state, the actions so far and the present request; None: wait."""
 
 Situation: TypeAlias = "tuple[State, tuple[Request, ...]]"
-
-_MOST_SITUATIONS = 20_000
+"""The state, and what was asked for and not got."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +36,13 @@ class Moment:
         The steps so far; a robot's step without a label is the one asked about.
     announced
         The robot's next step, where people are asked before it is taken.
+    situation
+        What the steps have led to, where the game has worked it out.
     """
 
     steps: tuple[LabelledStep, ...] = ()
     announced: "GroundAtom | None" = None
+    situation: "Situation | None" = field(default=None, compare=False, repr=False)
 
     @property
     def actions(self) -> "tuple[GroundAtom, ...]":
@@ -71,13 +73,14 @@ class Game:
     choose: Next
     length: int | None = None
     expected: "Callable[[tuple[GroundAtom, ...]], GroundAtom | None]" = lambda _: None
-    _situations: "dict[tuple[GroundAtom, ...], Situation]" = field(
-        default_factory=dict, compare=False, repr=False
-    )
+
+    def moment(self, steps: tuple[LabelledStep, ...], announced: "GroundAtom | None") -> Moment:
+        """Return where the task stands after some steps."""
+        return Moment(steps, announced, self._situation(Moment(steps)))
 
     def state(self, moment: Moment) -> "State":
         """Return the true state, in which all the steps have been taken."""
-        return self._situation(moment.actions)[0]
+        return self._situation(moment)[0]
 
     def question(self, moment: Moment) -> "GroundAtom | None":
         """Return the robot's step that the person is asked about, if there is one."""
@@ -96,7 +99,7 @@ class Game:
 
     def request(self, moment: Moment) -> "Request | None":
         """Return the last thing asked for that has neither been got nor withdrawn."""
-        state, asked = self._situation(moment.actions)
+        state, asked = self._situation(moment)
         return next((r for r in reversed(asked) if self.setting.truth.stands(state, r)), None)
 
     def commands(self, moment: Moment) -> "tuple[GroundAtom, ...]":
@@ -136,7 +139,7 @@ class Game:
             If nothing is asked.
         """
         if moment.announced is not None:
-            return self._take(replace(moment, announced=None), moment.announced, explicable)
+            return self._take(moment, moment.announced, explicable)
         index = self._unlabelled(moment) if self.ask == "after" else None
         if index is None:
             raise ConflictError("there is no question to answer now")
@@ -153,33 +156,30 @@ class Game:
         """
         if action not in self.commands(moment):
             raise ConflictError("that can't be commanded now")
-        return self._take(replace(moment, announced=None), action, None)
+        return self._take(moment, action, None)
 
-    def _situation(self, actions: "tuple[GroundAtom, ...]") -> "Situation":
-        """Return the state after some actions, and what was asked for and not got, the latest last."""
-        length = len(actions)
-        while length and actions[:length] not in self._situations:
-            length -= 1
-        truth = self.setting.truth
-        situation = self._situations[actions[:length]] if length else (truth.task.initial_state, ())
-        for number in range(length, len(actions)):
-            (state, asked), action = situation, actions[number]
-            operator = truth.operator(state, action)
-            if operator is None:
-                raise ConflictError("that step is not possible now")
-            request = truth.requests.get(action)
-            left = tuple(r for r in asked if action not in r.fulfilled_by and r is not request)
-            situation = truth.task.successor(state, operator), (*left, request) if request else left
-            if len(self._situations) >= _MOST_SITUATIONS:
-                self._situations.clear()  # it is only a memory: everything in it can be worked out again
-            self._situations[actions[: number + 1]] = situation
+    def _situation(self, moment: Moment) -> "Situation":
+        """Return the state, and what was asked for and not got, the latest last."""
+        if moment.situation is not None:
+            return moment.situation
+        situation: Situation = (self.setting.truth.task.initial_state, ())
+        for action in moment.actions:
+            situation = self._after(situation, action)
         return situation
 
+    def _after(self, situation: "Situation", action: "GroundAtom") -> "Situation":
+        truth, (state, asked) = self.setting.truth, situation
+        operator = truth.operator(state, action)
+        if operator is None:
+            raise ConflictError("that step is not possible now")
+        request = truth.requests.get(action)
+        left = tuple(r for r in asked if action not in r.fulfilled_by and r is not request)
+        return truth.task.successor(state, operator), (*left, request) if request else left
+
     def _take(self, moment: Moment, action: "GroundAtom", label: bool | None) -> Moment:
-        agent = self.setting.problem.agent_of(action).name
-        after = replace(moment, steps=(*moment.steps, LabelledStep(agent, action, label)))
-        self.state(after)  # raises if the step is not possible
-        return after
+        step = LabelledStep(self.setting.problem.agent_of(action).name, action, label)
+        situation = self._after(self._situation(moment), action)  # raises if the step is not possible
+        return Moment((*moment.steps, step), situation=situation)
 
     def _is_robots(self, action: "GroundAtom") -> bool:
         return self.setting.problem.agent_of(action).kind == "robot"

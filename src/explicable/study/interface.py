@@ -1,6 +1,7 @@
 """The interface for scripts: what pages send while a task is under way, and what they get to see.
 
-It is what a server does most, so its routes are the first, and read their bodies without detours.
+It is what a server does most, so these requests do not take the way through the web framework, which takes
+longer than to answer them.
 """
 
 import asyncio
@@ -14,6 +15,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import Response, StreamingResponse
 from fastapi.routing import APIRoute
 from pydantic import BaseModel, Field, FiniteFloat, TypeAdapter, ValidationError
+from starlette.middleware.exceptions import ExceptionMiddleware
 from starlette.types import Receive, Scope, Send
 
 from explicable.study.conduct import Standing, UnknownSessionError
@@ -57,7 +59,7 @@ class Problem(BaseModel):
 
 
 class DirectRoute(APIRoute):
-    """A POST route with a JSON body that is described like any other, and served without detours.
+    """A POST route with a JSON body, described like any other and served by `FrontDoor`.
 
     The endpoint takes ``request`` and ``body``, and returns a response.
     """
@@ -85,6 +87,23 @@ class DirectRoute(APIRoute):
             ) from error
         response = await self.endpoint(request, body)
         await response(scope, receive, send)
+
+
+class FrontDoor:
+    """Serves direct routes itself, and leaves all else to the application with its middleware."""
+
+    def __init__(self, app: FastAPI) -> None:
+        self.app = app
+        self.routes = {route.path: route for route in app.router.routes if isinstance(route, DirectRoute)}
+        self.direct = ExceptionMiddleware(self._serve, handlers=app.exception_handlers)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handle one request."""
+        is_direct = scope["type"] == "http" and scope["method"] == "POST" and scope["path"] in self.routes
+        await (self.direct if is_direct else self.app)(scope, receive, send)
+
+    async def _serve(self, scope: Scope, receive: Receive, send: Send) -> None:
+        await self.routes[scope["path"]].handle(scope, receive, send)
 
 
 def add_interface(app: FastAPI, server: Server) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from itsdangerous import BadSignature, URLSafeSerializer, URLSafeTimedSerializer
-from starlette.datastructures import Headers, MutableHeaders
+from starlette.datastructures import Headers
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -25,6 +25,7 @@ HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
+_RAW_HEADERS = [(name.lower().encode(), value.encode()) for name, value in HEADERS.items()]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +74,7 @@ class Keys:
 
     def token(self, owner: str) -> str:
         """Return the token that forms and scripts of this owner's pages must send back."""
-        return hmac.new(self.secret.encode(), f"csrf:{owner}".encode(), hashlib.sha256).hexdigest()
+        return hmac.digest(self.secret.encode(), f"csrf:{owner}".encode(), "sha256").hex()
 
     def is_token(self, owner: str, token: str | None) -> bool:
         """Tell whether a token is the owner's."""
@@ -170,9 +171,9 @@ class Guard:
 
         async def send_strictly(message: Message) -> None:
             if message["type"] == "http.response.start":
-                strict = MutableHeaders(scope=message)
-                for name, value in HEADERS.items():
-                    strict.setdefault(name, value)
+                given = {name.lower() for name, _ in message["headers"]}
+                strict = [header for header in _RAW_HEADERS if header[0] not in given]
+                message = {**message, "headers": [*message["headers"], *strict]}
             await send(message)
 
         await self.app(scope, receive_body, send_strictly)
