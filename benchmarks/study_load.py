@@ -1,6 +1,7 @@
 """How many participants one study serves: simulated ones take part at once, each labelling every few seconds.
 
-    python benchmarks/study_load.py [--num 1000 --pace 2] [--workers 2 --postgresql] [--record FILE]
+    python benchmarks/study_load.py [--workers 2 --postgresql] [--record FILE]
+    python benchmarks/study_load.py --table FILE
 
 They come one after the other; counted are the labels of the time in which all are there. Prints one JSON
 object: what the participants measured (they run on the same machine, so their own work is in it), the
@@ -71,13 +72,18 @@ def serving(folder: Path, options: argparse.Namespace, database: str | None) -> 
         server.wait()
 
 
-def processor_s() -> tuple[float, float, float]:
+def processor_s(folder: Path) -> tuple[float, float, float]:
     """Return the processor time so far of the server, of PostgreSQL, and of the participants."""
-    spent = {"serve": 0.0, "postgres": 0.0}
-    for process in psutil.Process().children(recursive=True):
-        kind = "postgres" if "postgres" in process.name() else "serve"
-        spent[kind] += sum(process.cpu_times()[:2])
-    return spent["serve"], spent["postgres"], time.process_time()
+    server = psutil.Process().children(recursive=True)
+    database = list[psutil.Process]()
+    for process in psutil.process_iter(["name", "cmdline"]):
+        if process.info["name"] == "postgres" and str(folder.parent) in " ".join(process.info["cmdline"]):
+            database += [process, *process.children(recursive=True)]
+    return _sum(server), _sum(database), time.process_time()
+
+
+def _sum(processes: list[psutil.Process]) -> float:
+    return sum(sum(process.cpu_times()[:2]) for process in set(processes))
 
 
 def percentiles(times: list[float]) -> dict[str, float]:
@@ -126,10 +132,10 @@ def measure(folder: Path, options: argparse.Namespace, database: str | None) -> 
             until=began + options.arrival + SETTLING_S + options.seconds,
         )
         start, before = simulation.until - options.seconds, list[tuple[float, ...]]()
-        noting = threading.Timer(start - began, lambda: before.append(processor_s()))
+        noting = threading.Timer(start - began, lambda: before.append(processor_s(folder)))
         noting.start()
         tally = simulation.run(options.num, at_once=options.num)
-        after = processor_s()
+        after = processor_s(folder)
     times = [took for took, at in zip(tally.answer_s, tally.answered, strict=True) if at >= start]
     spent = [round(1000 * (b - a) / len(times), 2) for a, b in zip(*before, after, strict=True)]
     return {
@@ -149,6 +155,24 @@ def measure(folder: Path, options: argparse.Namespace, database: str | None) -> 
     }
 
 
+def write_table(records: list[dict]) -> str:
+    """Return the records as a table for the documentation, in which n is the number of labels."""
+    lines = [
+        "| database, processes | participants | n | labels/s | median ms | 99 % ms | 99.9 % ms "
+        "| CPU ms/label: server, database, participants | lost, doubled |",
+        "| --- |" + " ---: |" * 8,
+    ]
+    for record in records:
+        spent = ", ".join(f"{ms:.2f}" for ms in record["processor_ms_per_label"].values())
+        kind = f"{record['database']}, {record['num_workers']}"
+        lines.append(
+            f"| {kind} | {record['num_there']} | {record['num_labels']} "
+            f"| {record['labels_per_s']} | {record['ms_50']} | {record['ms_99']} | {record['ms_99.9']} "
+            f"| {spent} | {record['num_lost']}, {record['num_doubled']} |"
+        )
+    return "\n".join(lines)
+
+
 def main() -> None:
     """Measure as the command line says."""
     parser = argparse.ArgumentParser(
@@ -166,7 +190,11 @@ def main() -> None:
     parser.add_argument("--postgresql", action="store_true", help="instead of SQLite")
     parser.add_argument("--port", type=int, default=8765)
     parser.add_argument("--record", type=Path, help="file to append the figures to")
+    parser.add_argument("--table", type=Path, help="file of which to print the figures; nothing is measured")
     options = parser.parse_args()
+    if options.table:
+        print(write_table([json.loads(line) for line in options.table.read_text().splitlines()]))
+        return
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         folder.chmod(0o755)

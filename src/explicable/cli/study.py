@@ -101,7 +101,7 @@ def serve(
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of all chance.")
 @click.option("--url", help="Address of the running study. Default: one is run for as long as it takes.")
 @click.option("--at-once", type=click.IntRange(min=1), default=8, show_default=True, help="How many at once.")
-@click.option("--pace", type=FiniteRange(min=0), default=0.0, help="Seconds before each answer.")
+@click.option("--pace", type=FiniteRange(min=0), default=0.0, help="Seconds between the labels of each.")
 @database_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def simulate(

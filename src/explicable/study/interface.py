@@ -109,6 +109,7 @@ class FrontDoor:
 def add_interface(app: FastAPI, server: Server) -> None:
     """Add the interface's routes."""
     conduct, views = server.conduct, server.views
+    has_teaming = any(condition.mode == "teaming" for condition in server.materials.study.conditions)
     responses: dict[int | str, dict[str, Any]] = {
         code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429, 503)
     }
@@ -117,6 +118,15 @@ def add_interface(app: FastAPI, server: Server) -> None:
     async def view(request: HTTPRequest) -> View:
         session = server.session(request)
         return await server.read(lambda tx: views.view(conduct.standing(tx, session)))
+
+    async def think_ahead(session: str) -> None:
+        """Let the robot plan before the transaction in which it moves: nobody waits for a plan then.
+
+        The transaction finds the plan, unless the task has gone on meanwhile: then it refuses the step.
+        """
+        standing = await server.read(lambda tx: conduct.standing(tx, session))
+        if standing.material is not None and standing.moment is not None and standing.is_teaming:
+            await asyncio.to_thread(standing.material.game.upcoming, standing.moment)
 
     async def carry_out(request: HTTPRequest, job: Callable[[Transaction, str], Standing]) -> Response:
         session = server.own_session(request, request.headers.get("x-token"))
@@ -127,13 +137,15 @@ def add_interface(app: FastAPI, server: Server) -> None:
         except ConflictError as error:
             shown = await server.read(lambda tx: views.view(conduct.standing(tx, session)))
             return _json(Problem(error=str(error), view=shown), 409)
-        if standing.material is not None and standing.material.condition.mode == "teaming":
+        if standing.is_teaming:
             # The robot may plan now: aside, so that others need not wait.
             return _json(await asyncio.to_thread(views.view, standing))
         return _json(views.view(standing))
 
     async def step(request: HTTPRequest, body: Move) -> Response:
         asked = Request(body.request_id, time.time(), body.client_time)
+        if has_teaming:
+            await think_ahead(server.own_session(request, request.headers.get("x-token")))
         return await carry_out(request, lambda tx, session: conduct.step(tx, session, asked, body.number))
 
     async def answer(request: HTTPRequest, body: Answer) -> Response:

@@ -1,6 +1,7 @@
 """Run a study's server: one process, or several that share a port."""
 
 import functools
+import gc
 import socket
 import threading
 import time
@@ -8,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from explicable.errors import InputError, UsageError
 from explicable.study.app import create_app
@@ -19,9 +20,12 @@ from explicable.study.store import sqlite_url
 
 if TYPE_CHECKING:
     import uvicorn
+    from starlette.types import ASGIApp
 
 GRACE_S = 2
 """Seconds that requests under way get when the server is stopped."""
+KEEP_S = 65
+"""Seconds for which an idle connection is kept: people think for longer than uvicorn's five."""
 START_S = 120
 """Seconds after which a worker that does not answer is replaced: on a busy machine it takes long to start."""
 
@@ -73,7 +77,7 @@ class Server:
         platform = materials.study.recruitment.platform
         self.announcement = Announcement(link, link_template(platform, link), opened.new_password)
         self._workers = workers
-        self._app = functools.partial(create_app, folder.resolve(), url, trusts_floods=trusts_floods)
+        self._app = functools.partial(_create, folder.resolve(), url, trusts_floods=trusts_floods)
 
     @contextmanager
     def in_background(self) -> Iterator[str]:
@@ -130,8 +134,15 @@ class Server:
             access_log=False,
             server_header=False,
             timeout_graceful_shutdown=GRACE_S,
+            timeout_keep_alive=KEEP_S,
             timeout_worker_healthcheck=START_S,
         )
+
+
+def _create(folder: Path, url: str, **options: Any) -> "ASGIApp":  # noqa: ANN401 (as `create_app` has them)
+    app = create_app(folder, url, **options)
+    gc.freeze()  # what is there for good need not be searched for garbage again and again
+    return app
 
 
 def _bind(host: str, port: int) -> socket.socket:

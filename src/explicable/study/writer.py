@@ -31,8 +31,8 @@ class Writer:
     """Runs jobs in transactions, in the order in which they come.
 
     Jobs that wait together are run together, from what was remembered (`Transaction.recall`), and committed
-    together. A job that fails then, or all of them if the database refuses them, is run once more: alone, and
-    from what the database holds. So a job must not do anything but to talk to its transaction.
+    together. A job that fails then, or all of them if the database refuses them, run again from what the
+    database holds, and where that fails, alone. So a job must not do anything but to talk to its transaction.
 
     Parameters
     ----------
@@ -68,16 +68,18 @@ class Writer:
                 if len(batch) == _MOST_AT_ONCE or self._queue.empty():
                     break
                 entry = self._queue.get()
-            for job, future in self._run_together(batch):
+            left = self._run_together(batch, self._memory)
+            left = self._run_together(left, {}) if len(left) > 1 else left
+            for job, future in left:
                 self._run_alone(job, future)
             entry = entry and self._queue.get()
 
-    def _run_together(self, batch: list[Entry]) -> list[Entry]:
+    def _run_together(self, batch: list[Entry], memory: dict[str, object]) -> list[Entry]:
         """Run jobs in one transaction; return those of which nothing is done."""
         done, left = [], []
         try:
             with self._engine.begin() as connection:
-                tx = Transaction(connection, self._memory)
+                tx = Transaction(connection, memory)
                 for job, future in batch:
                     try:
                         done.append((future, tx.attempt(job)))
