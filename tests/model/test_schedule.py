@@ -3,7 +3,7 @@ import random
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from explicable.errors import InputError, PlanError, UsageError
@@ -111,6 +111,8 @@ def test_the_makespan_is_the_length_of_the_critical_path(seed):
 @given(st.integers(0, 10**6))
 def test_a_schedule_made_from_its_own_order_starts_no_step_later(seed):
     task, _, durations, schedule = random_schedule(seed, length=10)
+    # Where a disjunction was split, the new order may execute a step for another reason, which comes later.
+    assume(all(len(task.operators_of(action)) == 1 for action in schedule.actions))
     again = make_schedule(Actors(task.problem), task, schedule.actions, durations)
     assert again.makespan <= schedule.makespan + 1e-9
 
