@@ -1,12 +1,12 @@
 """How many participants one study serves: simulated ones take part at once, each labelling every few seconds.
 
-    python benchmarks/study_load.py [--workers 2 --postgresql] [--record FILE]
-    python benchmarks/study_load.py --table FILE
+    python benchmarks/study_load.py [--only sqlite | postgresql] [--num 1000] [--pace 2] [--record]
 
-They come one after the other; counted are the labels of the time in which all are there. Prints one JSON
-object: what the participants measured (they run on the same machine, so their own work is in it), the
-processor time that a label takes on both sides, and whether any label, also of the time before, was lost or
-doubled. `--record` appends it to a file.
+SQLite with one process, then PostgreSQL with two. Participants come one after the other; counted are the
+labels of the time in which all are there. Prints a JSON object for each database: what the participants
+measured (they run on the same machine, so their own work is in it), the processor time that a label takes on
+both sides, and whether any label, also of the time before, was lost or doubled. `--record` keeps it in
+`records/` and writes the latest of each database into docs/study.md.
 """
 
 import argparse
@@ -22,7 +22,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -33,6 +33,11 @@ from explicable.study import schema as tables
 from explicable.study.folder import make_folder, open_study
 from explicable.study.simulation import Simulation, Tally
 
+ROOT = Path(__file__).parents[1]
+RECORDS = ROOT / "benchmarks" / "records" / "study_load.jsonl"
+PAGE = ROOT / "docs" / "study.md"
+MARK = "<!-- study-load -->"
+WORKERS = {"sqlite": 1, "postgresql": 2}
 SETTLING_S = 5
 """Seconds after the last arrival."""
 
@@ -53,20 +58,20 @@ def postgresql(folder: Path) -> Iterator[str]:
 
 
 @contextmanager
-def serving(folder: Path, options: argparse.Namespace, database: str | None) -> Iterator[subprocess.Popen]:
-    """Serve a study until the block ends; starts when the server is ready."""
+def serving(folder: Path, port: int, workers: int, database: str | None) -> Iterator[None]:
+    """Serve a study until the block ends, which begins when the server is ready."""
     command = [sys.executable, "-m", "explicable", "study", "serve", str(folder), "--no-limits"]
-    command += ["--port", str(options.port), "--workers", str(options.workers)]
+    command += ["--port", str(port), "--workers", str(workers)]
     command += ["--database", database] if database else []
     server = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     try:
         while True:
             try:
-                with urllib.request.urlopen(f"http://127.0.0.1:{options.port}/health", timeout=5):
+                with urllib.request.urlopen(f"http://127.0.0.1:{port}/health", timeout=5):
                     break
             except (urllib.error.URLError, OSError):
                 time.sleep(0.1)
-        yield server
+        yield
     finally:
         server.terminate()
         server.wait()
@@ -117,7 +122,8 @@ def measure(folder: Path, options: argparse.Namespace, database: str | None) -> 
     make_folder(folder)
     text = (folder / "study.toml").read_text().replace("people = 5", "people = 100000")
     (folder / "study.toml").write_text(text)
-    with serving(folder, options, database), open_study(folder, database) as opened:
+    kind = "postgresql" if database else "sqlite"
+    with serving(folder, options.port, WORKERS[kind], database), open_study(folder, database) as opened:
         opened.materials.check()
         gc.freeze()
         link, family = f"http://127.0.0.1:{options.port}/", builtin_families()["myopic"]
@@ -142,8 +148,8 @@ def measure(folder: Path, options: argparse.Namespace, database: str | None) -> 
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}",
         "load_at_end": round(os.getloadavg()[0], 1),
-        "database": "postgresql" if database else "sqlite",
-        "num_workers": options.workers,
+        "database": kind,
+        "num_workers": WORKERS[kind],
         "num_participants": options.num,
         "num_there": options.num - tally.num_finished - tally.num_refused,
         "pace_s": options.pace,
@@ -155,22 +161,24 @@ def measure(folder: Path, options: argparse.Namespace, database: str | None) -> 
     }
 
 
-def write_table(records: list[dict]) -> str:
-    """Return the records as a table for the documentation, in which n is the number of labels."""
+def write_page() -> None:
+    """Write the latest record of each database as a table into the documentation."""
+    records = map(json.loads, RECORDS.read_text().splitlines())
     lines = [
-        "| database, processes | participants | n | labels/s | median ms | 99 % ms | 99.9 % ms "
-        "| CPU ms/label: server, database, participants | lost, doubled |",
-        "| --- |" + " ---: |" * 8,
+        "| database, processes | people | labels (n) | labels/s | median ms | 99 % ms | 99.9 % ms "
+        "| CPU ms of a label: server, database, participants | lost, doubled | when |",
+        "| --- |" + " ---: |" * 9,
     ]
-    for record in records:
+    for record in {record["database"]: record for record in records}.values():
         spent = ", ".join(f"{ms:.2f}" for ms in record["processor_ms_per_label"].values())
-        kind = f"{record['database']}, {record['num_workers']}"
-        lines.append(
-            f"| {kind} | {record['num_there']} | {record['num_labels']} "
-            f"| {record['labels_per_s']} | {record['ms_50']} | {record['ms_99']} | {record['ms_99.9']} "
-            f"| {spent} | {record['num_lost']}, {record['num_doubled']} |"
-        )
-    return "\n".join(lines)
+        cells = [f"{record['database']}, {record['num_workers']}"]
+        cells += [
+            record[name] for name in ("num_there", "num_labels", "labels_per_s", "ms_50", "ms_99", "ms_99.9")
+        ]
+        cells += [spent, f"{record['num_lost']}, {record['num_doubled']}", record["time"][:10]]
+        lines.append(f"| {' | '.join(map(str, cells))} |")
+    before, _, after = PAGE.read_text().split(MARK)
+    PAGE.write_text(MARK.join([before, "\n" + "\n".join(lines) + "\n", after]))
 
 
 def main() -> None:
@@ -178,35 +186,29 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
+    parser.add_argument("--only", choices=WORKERS, help="one database instead of both")
     parser.add_argument("--num", type=int, default=1000, help="participants")
     parser.add_argument(
         "--pace", type=float, default=2.0, help="seconds from a participant's label to the next"
     )
-    parser.add_argument("--arrival", type=float, default=40.0, help="seconds over which they come")
+    parser.add_argument("--arrival", type=float, default=45.0, help="seconds over which they come")
     parser.add_argument(
         "--seconds", type=float, default=60.0, help="seconds that are counted, all being there"
     )
-    parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--postgresql", action="store_true", help="instead of SQLite")
     parser.add_argument("--port", type=int, default=8765)
-    parser.add_argument("--record", type=Path, help="file to append the figures to")
-    parser.add_argument("--table", type=Path, help="file of which to print the figures; nothing is measured")
+    parser.add_argument("--record", action="store_true", help="keep the figures")
     options = parser.parse_args()
-    if options.table:
-        print(write_table([json.loads(line) for line in options.table.read_text().splitlines()]))
-        return
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        folder.chmod(0o755)
-        if options.postgresql:
-            with postgresql(folder) as url:
+    for kind in [options.only] if options.only else WORKERS:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            database = postgresql(folder) if kind == "postgresql" else nullcontext()
+            with database as url:
                 report = measure(folder / "study", options, url)
-        else:
-            report = measure(folder / "study", options, None)
-    print(json.dumps(report, indent=2))
-    if options.record:
-        with options.record.open("a") as file:
-            file.write(json.dumps(report) + "\n")
+        print(json.dumps(report, indent=2), flush=True)
+        if options.record:
+            with RECORDS.open("a") as file:
+                file.write(json.dumps(report) + "\n")
+            write_page()
 
 
 main()

@@ -9,6 +9,7 @@ import html
 import math
 import re
 import secrets
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -111,7 +112,8 @@ class Simulation:
         InputError
             If there is no study at the link, or it answers as none should.
         """
-        return asyncio.run(self._run(num, at_once, tell))
+        with asyncio.Runner(loop_factory=_loop_factory()) as runner:
+            return runner.run(self._run(num, at_once, tell))
 
     async def _run(self, num: int, at_once: int, tell: Callable[[Tally], None]) -> Tally:
         tally, turn = Tally(), asyncio.Semaphore(at_once)
@@ -126,6 +128,15 @@ class Simulation:
             for number in range(1, num + 1):
                 group.create_task(take_part(number))
         return tally
+
+
+def _loop_factory() -> "Callable[[], asyncio.AbstractEventLoop] | None":
+    """Return what makes the loop that the server has as well, where there is one."""
+    if sys.platform == "win32":
+        return None
+    import uvloop
+
+    return uvloop.new_event_loop
 
 
 class _Visit:
