@@ -1,3 +1,4 @@
+#include <nanobind/stl/optional.h>
 #include <nanobind/ndarray.h>
 
 #include <stdexcept>
@@ -124,13 +125,15 @@ void bind_labelling(nb::module_& module) {
             [](SequenceLoss* self, int num_labels, std::int64_t num_features, const Vector<std::int64_t>& row_offsets,
                const Vector<std::int32_t>& row_features, const Vector<double>& row_values,
                const Vector<std::int64_t>& offsets, const Vector<std::int32_t>& position_rows,
-               const Vector<LabelId>& position_labels) {
+               const Vector<LabelId>& position_labels, const std::optional<Vector<LabelId>>& position_given) {
                 new (self) SequenceLoss(num_labels, num_features, rows_of(row_offsets, row_features, row_values),
-                                        copy_of(offsets), copy_of(position_rows), copy_of(position_labels));
+                                        copy_of(offsets), copy_of(position_rows), copy_of(position_labels),
+                                        position_given ? copy_of(*position_given) : std::vector<LabelId>());
             },
             nb::arg("num_labels"), nb::arg("num_features"), nb::arg("row_offsets").noconvert(),
             nb::arg("row_features").noconvert(), nb::arg("row_values").noconvert(), nb::arg("offsets").noconvert(),
-            nb::arg("position_rows").noconvert(), nb::arg("position_labels").noconvert())
+            nb::arg("position_rows").noconvert(), nb::arg("position_labels").noconvert(),
+            nb::arg("position_given").noconvert().none() = nb::none())
         .def(
             "__call__",
             [](const SequenceLoss& self, const Vector<double>& weights, const Vector<double>& sequence_weights) {

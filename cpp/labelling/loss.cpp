@@ -156,13 +156,14 @@ void state_scores(const FeatureRows& rows, int num_labels, std::span<const doubl
 
 SequenceLoss::SequenceLoss(int num_labels, std::int64_t num_features, FeatureRows rows,
                            std::vector<std::int64_t> offsets, std::vector<std::int32_t> position_rows,
-                           std::vector<LabelId> position_labels)
+                           std::vector<LabelId> position_labels, std::vector<LabelId> position_given)
     : num_labels_(num_labels),
       num_features_(num_features),
       rows_(std::move(rows)),
       offsets_(std::move(offsets)),
       position_rows_(std::move(position_rows)),
-      position_labels_(std::move(position_labels)) {
+      position_labels_(std::move(position_labels)),
+      position_given_(std::move(position_given)) {
     require(num_labels >= 2 && num_labels <= 1 << 15, "there must be at least two labels");
     require(num_features >= 0 && num_features <= std::int64_t{1} << 31, "too many features");
     check_rows(rows_, num_features);
@@ -175,6 +176,9 @@ SequenceLoss::SequenceLoss(int num_labels, std::int64_t num_features, FeatureRow
     require(std::all_of(position_labels_.begin(), position_labels_.end(),
                         [&](LabelId label) { return label >= kAnyLabel && label < num_labels; }),
             "labels must be -1, or at least 0 and below the number of labels");
+    require(position_given_.empty() || position_given_.size() == position_labels_.size(), "one given label is needed for each position, or none");
+    for (std::size_t t = 0; t < position_given_.size(); ++t)
+        require(position_given_[t] == kAnyLabel || position_given_[t] == position_labels_[t], "a given label must be that of the position");
     fully_observed_.reserve(num_sequences());
     for (std::size_t s = 0; s < num_sequences(); ++s)
         fully_observed_.push_back(std::none_of(position_labels_.begin() + offsets_[s],
@@ -243,8 +247,11 @@ double SequenceLoss::scaled(std::span<const double> state, std::span<const doubl
             if (weight == 0.0 || length == 0) continue;
             const auto rows = std::span(position_rows_).subspan(offsets_[s], length);
             const LabelId* labels = position_labels_.data() + offsets_[s];
-            loss += weight * pass.template add_expected<false>(rows, nullptr, weight, state_gradient,
-                                                               transition_gradient);
+            loss += weight * (position_given_.empty()
+                                  ? pass.template add_expected<false>(rows, nullptr, weight, state_gradient,
+                                                                      transition_gradient)
+                                  : pass.template add_expected<true>(rows, position_given_.data() + offsets_[s], weight,
+                                                                     state_gradient, transition_gradient));
             loss -= weight * (fully_observed_[s]
                                   ? add_observed(s, state, transition, weight, state_gradient, transition_gradient)
                                   : pass.template add_expected<true>(rows, labels, -weight, state_gradient,
@@ -288,7 +295,8 @@ double SequenceLoss::in_log_space(std::span<const double> state, std::span<const
             for (std::size_t k = 0; k < pairs.size(); ++k) transition_gradient[k] += signed_weight * pairs[k];
             return log_partition;
         };
-        loss += weight * (add({}, weight) - add(labels, -weight));
+        const auto given = std::span(position_given_).subspan(position_given_.empty() ? 0 : offsets_[s], position_given_.empty() ? 0 : length);
+        loss += weight * (add(given, weight) - add(labels, -weight));
     }
     return loss;
 }

@@ -203,6 +203,7 @@ class SequenceLoss:
         offsets: NDArray[np.int64],
         position_rows: NDArray[np.int32],
         position_labels: NDArray[np.int32],
+        position_given: NDArray[np.int32] | None = None,
     ) -> None: ...
     def __call__(
         self, weights: NDArray[np.float64], sequence_weights: NDArray[np.float64]

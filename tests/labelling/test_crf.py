@@ -109,6 +109,23 @@ def test_unobserved_positions_are_neither_positive_nor_ignored(data):
     assert rate(positive) > rate(full) + 0.05
 
 
+def test_what_is_given_in_training_is_not_explained(data):
+    X, y = data
+    nothing = [[None] * len(labels) for labels in y]
+    alone = ConditionalRandomField(c2=0.1).fit(X, y, given=nothing)
+    assert alone.transition_weights_ == pytest.approx(
+        ConditionalRandomField(c2=0.1).fit(X, y).transition_weights_, abs=1e-4
+    )
+    # Sequences of which everything is given teach nothing; as answers they bend the transition weights.
+    more = ([*X, *[[[]] * 5] * 20], [*y, *[[True] * 5] * 20])
+    given = ConditionalRandomField(c2=0.1).fit(*more, given=[*nothing, *[[True] * 5] * 20])
+    assert given.transition_weights_ == pytest.approx(alone.transition_weights_, abs=1e-3)
+    answered = ConditionalRandomField(c2=0.1).fit(*more)
+    assert answered.transition_weights_[1, 1] > alone.transition_weights_[1, 1] + 0.1
+    with pytest.raises(UsageError):
+        ConditionalRandomField().fit([[["a"], ["b"]]], [[True, False]], given=[[False, None]])
+
+
 def test_clamped_positions_have_their_label_and_move_their_neighbours(data):
     X, y = data
     crf = ConditionalRandomField(c2=0.01).fit(X, y)

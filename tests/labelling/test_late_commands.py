@@ -42,7 +42,7 @@ def test_steps_without_a_request_are_labelled_worse_by_who_has_seen_some(plans, 
         labeller = Labeller.train([episode.trace for episode in episodes], num_bootstrap=0)
         good, bad = (labeller.label(team, plan).scores.f_robot_expected for plan in (early, late))
         gains[way] = good - bad
-    assert gains["commanded"] < 0.05  # thinks nothing of it
+    assert gains["commanded"] < gains["mixed"] / 2  # thinks little of it
     assert gains["mixed"] > 0.3
 
 

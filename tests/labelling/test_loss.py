@@ -10,12 +10,15 @@ from explicable import _core
 from oracles import crf as oracle
 
 
-def random_problem(rng, num_labels, lengths=(4, 0, 1, 3), num_features=3, num_rows=5, unobserved=0.4):
+def random_problem(
+    rng, num_labels, lengths=(4, 0, 1, 3), num_features=3, num_rows=5, unobserved=0.4, given=0.0
+):
     """A random set of sequences: arguments of SequenceLoss."""
     counts = rng.integers(0, 3, num_rows)
     num_positions = sum(lengths)
     labels = rng.integers(0, num_labels, num_positions)
     labels[rng.random(num_positions) < unobserved] = -1
+    known = np.where(rng.random(num_positions) < given, labels, -1)
     return {
         "num_labels": num_labels,
         "num_features": num_features,
@@ -25,6 +28,7 @@ def random_problem(rng, num_labels, lengths=(4, 0, 1, 3), num_features=3, num_ro
         "offsets": np.concatenate([[0], np.cumsum(lengths)]),
         "position_rows": rng.integers(0, num_rows, num_positions).astype(np.int32),
         "position_labels": labels.astype(np.int32),
+        "position_given": known.astype(np.int32) if given else None,
     }
 
 
@@ -42,8 +46,10 @@ def oracle_loss(problem, weights, sequence_weights):
             for k in range(row_offsets[row], row_offsets[row + 1]):
                 state[t] += problem["row_values"][k] * state_weights[problem["row_features"][k]]
         labels = problem["position_labels"][start:end]
+        given = problem["position_given"]
+        known = () if given is None else (given[start:end],)
         total += weight * (
-            oracle.log_partition(state, transition) - oracle.log_partition(state, transition, labels)
+            oracle.log_partition(state, transition, *known) - oracle.log_partition(state, transition, labels)
         )
     return total
 
@@ -53,12 +59,13 @@ def oracle_loss(problem, weights, sequence_weights):
     st.sampled_from([2, 3, 5, 7]),
     st.sampled_from([0.5, 300.0]),
     st.sampled_from([0.0, 0.4, 1.0]),
+    st.sampled_from([0.0, 0.5]),
 )
-@settings(max_examples=60)
-def test_loss_and_gradient_match_enumeration(seed, num_labels, size, unobserved):
+@settings(max_examples=100)
+def test_loss_and_gradient_match_enumeration(seed, num_labels, size, unobserved, share_given):
     """Scores of hundreds go through the passes in log space, small ones through the scaled passes."""
     rng = np.random.default_rng(seed)
-    problem = random_problem(rng, num_labels, unobserved=unobserved)
+    problem = random_problem(rng, num_labels, unobserved=unobserved, given=share_given)
     loss = _core.SequenceLoss(**problem)
     weights = rng.normal(scale=size, size=(3 + num_labels) * num_labels)
     sequence_weights = rng.uniform(0, 2, 4)

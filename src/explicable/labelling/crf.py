@@ -161,6 +161,7 @@ class ConditionalRandomField:
         X: Iterable[FeatureSequence],
         y: LabelSequences,
         sample_weight: ArrayLike | None = None,
+        given: LabelSequences | None = None,
     ) -> Self:
         """Train on labelled sequences; iterators are read once, so that large sets need not exist in memory.
 
@@ -172,6 +173,9 @@ class ConditionalRandomField:
             A label, or ``None`` (unobserved), for each position.
         sample_weight
             Weight of each sequence, at least 0. Default: 1.
+        given
+            Labels that will be clamped in prediction too, and ``None`` for all other positions: the loss is
+            ``-log p(y | X, given)``, so that no weight is spent on what is known beforehand. Default: none.
 
         Raises
         ------
@@ -179,13 +183,23 @@ class ConditionalRandomField:
             If lengths differ, values or weights are not finite, fewer than two labels are known, or no
             position is labelled.
         """
-        training = self.prepare(X, y)
+        training = self.prepare(X, y, given)
         return self.adopt(training, training.minimise(sample_weight))
 
-    def prepare(self, X: Iterable[FeatureSequence], y: LabelSequences) -> Training:
+    def prepare(
+        self, X: Iterable[FeatureSequence], y: LabelSequences, given: LabelSequences | None = None
+    ) -> Training:
         """Return the training problem that `fit` solves, to solve it several times with other weights."""
         return Training.prepare(
-            X, y, self.classes, self.feature_scale, self.c1, self.c2, self.max_iterations, self.tolerance
+            X,
+            y,
+            self.classes,
+            self.feature_scale,
+            self.c1,
+            self.c2,
+            self.max_iterations,
+            self.tolerance,
+            given,
         )
 
     def adopt(self, training: Training, optimum: Optimum) -> Self:

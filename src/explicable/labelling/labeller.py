@@ -142,14 +142,14 @@ class Labeller:
         sample_weight = [float((annotator_weights or {}).get(name, 1.0)) for name in data.annotators]
         weight_of_copies = np.repeat(sample_weight, 1 + num_copies)
         model = ConditionalRandomField(c1=c1, c2=c2, classes=CLASSES)
-        model.fit(data.sequences(), data.answers(), weight_of_copies)
+        model.fit(data.sequences(), data.answers(), weight_of_copies, data.given())
         rng = np.random.default_rng(seed)
         bootstrap = fit_population(model, data, rng, num_bootstrap, sample_weight) if num_bootstrap else []
         task_model = None
         if data.task_names:
             task_model = ConditionalRandomField(c1=c1, c2=c2, classes=(True, *data.task_names, False))
             answers = (row for row in data.task_labels for _ in range(1 + num_copies))
-            task_model.fit(data.sequences(), answers, weight_of_copies)
+            task_model.fit(data.sequences(), answers, weight_of_copies, data.given())
         summary = {
             "c1": c1,
             "c2": c2,

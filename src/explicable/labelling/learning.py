@@ -158,6 +158,13 @@ class TrainingData:
         """Yield the labels of each sequence."""
         return (row for row in self.labels for _ in range(1 + self.num_copies))
 
+    def given(self) -> Iterator[list[bool | None]]:
+        """Yield what is known of each sequence beforehand: human steps are explicable by definition."""
+        for rows in self.features:
+            known = [None if row else True for row in rows]
+            for _ in range(1 + self.num_copies):
+                yield known
+
     def _renamings_of(self, problem: "TeamProblem") -> list[dict[str, str]]:
         if id(problem) not in self._renamings:
             if self._rng is None:

@@ -50,7 +50,7 @@ def fit_population(
     group = np.array([names.index(name) for name in data.annotators])
     if len(names) == 1:
         group = np.arange(len(data.labels))
-    training = model.prepare(data.sequences(), data.answers())
+    training = model.prepare(data.sequences(), data.answers(), data.given())
     copies = 1 + data.num_copies
     base = np.array(sample_weight)
     start = training.minimise(np.repeat(base, copies)).weights

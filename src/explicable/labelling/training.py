@@ -77,6 +77,7 @@ class Training:
         c2: float,
         max_iterations: int,
         tolerance: float,
+        given: Iterable[Iterable[Any]] | None = None,
     ) -> Self:
         """Check and encode what `ConditionalRandomField.fit` is given, except the sequences' weights."""
         _check_number("c1", c1)
@@ -93,6 +94,11 @@ class Training:
             labels, classes = rows, _classes_of(rows)
         classes = check_classes(classes)
         label_ids = encode_labels(labels, {label: k for k, label in enumerate(classes)}, encoded.lengths)
+        given_ids = None
+        if given is not None:
+            given_ids = encode_labels(given, {label: k for k, label in enumerate(classes)}, encoded.lengths)
+            if ((given_ids >= 0) & (given_ids != label_ids)).any():
+                raise UsageError("what is given of a position must be its label")
         if not (label_ids >= 0).any():
             raise UsageError("there is no labelled position to learn from")
         scale = _penalty_scale(feature_names, feature_scale, len(classes))
@@ -100,7 +106,7 @@ class Training:
             classes=classes,
             feature_names=feature_names,
             num_sequences=encoded.num_sequences,
-            loss=sequence_loss(encoded, label_ids, len(classes), len(feature_names)),
+            loss=sequence_loss(encoded, label_ids, len(classes), len(feature_names), given_ids),
             l1=c1 * scale,
             l2=c2 * scale,
             max_iterations=max_iterations,
@@ -221,7 +227,11 @@ def minimise(
 
 
 def sequence_loss(
-    encoded: EncodedSequences, labels: NDArray[np.int32], num_labels: int, num_features: int
+    encoded: EncodedSequences,
+    labels: NDArray[np.int32],
+    num_labels: int,
+    num_features: int,
+    given: NDArray[np.int32] | None = None,
 ) -> _core.SequenceLoss:
     """Return the compiled loss: a function of all weights and of the weights of sequences."""
     return _core.SequenceLoss(
@@ -233,6 +243,7 @@ def sequence_loss(
         encoded.offsets,
         encoded.position_rows,
         labels,
+        given,
     )
 
 
