@@ -7,6 +7,7 @@ simulated traces of the built-in training maps, all of the family
 *myopic*; the maps of the games have seeds of their own.
 """
 
+import itertools
 import json
 import lzma
 import os
@@ -167,7 +168,7 @@ def write(folder: Path, name: str, played: Iterator[Game]) -> None:
     path = folder / f"{name.replace(', ', '-')}.jsonl.xz"
     aside = path.with_suffix(".part")
     with lzma.open(aside, "wt", encoding="utf-8") as file:
-        for line in (header, *map(asdict, played)):
+        for line in itertools.chain([header], map(asdict, played)):  # each as soon as it is there
             file.write(json.dumps(line) + "\n")
     aside.replace(path)
     click.echo(name, err=True)
@@ -297,9 +298,15 @@ def main(maps: int, num_games: int, large: int, only: tuple[str, ...], page_only
                 labeller = Labeller.train(_traces(experiment.semantics), num_bootstrap=0)
                 write(RECORDS, experiment.name, games(experiment, labeller))
         if not only or RATE in only:
-            names = strategies(Labeller.train(_traces("exclusive"), num_bootstrap=0))
-            write(RECORDS, RATE, (game for name in names for game in rate(500 + NUM_WARM, name)))
-    write_whole(ROOT / "docs" / "closed-loop.md", "\n".join(page(*read(RECORDS))) + "\n")
+            made = strategies(Labeller.train(_traces("exclusive"), num_bootstrap=0))
+            write(RECORDS, RATE, (game for name in made for game in rate(500 + NUM_WARM, name)))
+    headers, found = read(RECORDS)
+    names = {RATE, *(experiment.name for experiment in experiments(maps, num_games, large))}
+    if lacking := names - {header["experiment"] for header in headers}:
+        raise click.ClickException(
+            f"the page is not made: there are no records of {'; '.join(sorted(lacking))}"
+        )
+    write_whole(ROOT / "docs" / "closed-loop.md", "\n".join(page(headers, found)) + "\n")
 
 
 if __name__ == "__main__":

@@ -32,12 +32,12 @@ def importers_of(library):
 
 
 def test_only_the_studys_store_touches_the_database_and_only_its_app_the_web():
-    store = {f"study/{name}.py" for name in ("store", "records", "schema", "writer")}
+    store = {f"study/{name}.py" for name in ("store", "transaction", "records", "schema", "writer")}
     migrations = {path for path in importers_of("sqlalchemy") if path.startswith("study/migrations/")}
     assert importers_of("sqlalchemy") - migrations <= store | {"cli/study.py"}
-    web = {f"study/{name}.py" for name in ("app", "server", "admin", "editor", "forms", "pages")} | {
-        "cli/study.py"
-    }
+    web = {
+        f"study/{name}.py" for name in ("app", "interface", "server", "admin", "editor", "forms", "pages")
+    } | {"cli/study.py"}
     in_study = {path for path in importers_of("starlette") if path.startswith("study/")}
     assert importers_of("fastapi") <= web
     assert in_study <= web | {"study/security.py"}

@@ -167,6 +167,12 @@ def test_costs_rise_and_inexplicable_steps_fall_along_the_front(plans):
     assert (plans[0].alpha_from, plans[-1].alpha_to) == (0.0, math.inf)
 
 
+def test_a_front_shows_itself_in_a_notebook(plans):
+    shown = plans._repr_html_()
+    assert shown.count("<meter") == len(plans)
+    assert all(f"<td>{found.plan.cost}</td>" in shown for found in plans)
+
+
 def test_a_budget_chooses_from_the_front(plans):
     assert choose(plans, max_cost_increase=0.0) is plans[0]
     assert choose(plans, max_cost_increase=100.0) is plans[-1]

@@ -70,6 +70,21 @@ class FrontPlan:
         return self.plan.cost + alpha * self.num_inexplicable
 
 
+class Front(tuple[FrontPlan, ...]):
+    """The plans of a front, the cheapest first: a tuple that shows itself in a notebook."""
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        """Let a notebook show what each plan costs, and how explicable it is."""
+        rows = "".join(
+            f"<tr><td>{found.plan.cost}</td><td>{found.num_inexplicable:.2f}</td><td>{found.explicability:.3f}"
+            f' <meter min="0" max="1" value="{found.explicability:.3f}"></meter></td></tr>'
+            for found in self
+        )
+        return f"<table><tr><th>cost</th><th>inexplicable steps</th><th>E[F]</th></tr>{rows}</table>"
+
+
 def front(
     team_task: TeamTask,
     labeller: "Labeller",
@@ -78,7 +93,7 @@ def front(
     search_s: float = 1.0,
     time_limit_s: float | None = None,
     seed: int = 0,
-) -> tuple[FrontPlan, ...]:
+) -> Front:
     """Find all plans that have the least ``J`` for some alpha from 0 to `max_alpha`, and those between them.
 
     Parameters
@@ -227,7 +242,7 @@ class Pool:
                 return limit
         return None
 
-    def front(self) -> tuple[FrontPlan, ...]:
+    def front(self) -> Front:
         """Give the corners with the alphas at which they are best, and the plans between them."""
         corners = self._ranged_corners()
         between = {
@@ -235,7 +250,7 @@ class Pool:
             for found in self._most_explicable.values()
             if found is not None and any(_is_between(left, found, right) for left, right in pairwise(corners))
         }
-        return tuple(sorted((*corners, *between.values()), key=lambda found: found.plan.cost))
+        return Front(sorted((*corners, *between.values()), key=lambda found: found.plan.cost))
 
     def _ranged_corners(self) -> tuple[FrontPlan, ...]:
         corners = self._corners()

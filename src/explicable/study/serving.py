@@ -20,7 +20,6 @@ from explicable.study.store import sqlite_url
 
 if TYPE_CHECKING:
     import uvicorn
-    from starlette.types import ASGIApp
 
 GRACE_S = 2
 """Seconds that requests under way get when the server is stopped."""
@@ -139,7 +138,7 @@ class Server:
         )
 
 
-def _create(folder: Path, url: str, **options: Any) -> "ASGIApp":  # noqa: ANN401 (as `create_app` has them)
+def _create(folder: Path, url: str, **options: Any) -> object:  # noqa: ANN401 (as `create_app` has them)
     app = create_app(folder, url, **options)
     gc.freeze()  # what is there for good need not be searched for garbage again and again
     return app
