@@ -91,16 +91,23 @@ class Teaming:
     def plan(self, state: "State", actions: Actions, request: "Request | None") -> Actions:
         """Return the plan from now on: what is left of the one announced, where that leads to the goal."""
         if actions not in self._plans:
-            announced = list(self._plans.get(actions[:-1], ()))
-            if actions and actions[-1] in announced:
-                announced.remove(actions[-1])
-            left = tuple(announced) if self._reaches_goal(state, announced) else ()
-            plan = left or self._planned(state, actions, request)
+            plan = self._next_plan(state, actions, request)
             if len(self._plans) >= _MOST_PLANS:
                 self._plans.clear()
             self._plans[actions] = plan
-            return plan
         return self._plans[actions]
+
+    def _next_plan(self, state: "State", actions: Actions, request: "Request | None") -> Actions:
+        announced = self._plans.get(actions[:-1]) if actions else None
+        left = list(announced or ())
+        if left and actions[-1] in left:
+            left.remove(actions[-1])
+        if left and self._reaches_goal(state, left):
+            return tuple(left)
+        followed_orders = announced is not None and (not announced or self._is_humans(announced[0]))
+        if followed_orders and request is not None and not self._is_humans(actions[-1]):
+            return ()  # it goes on so: a new plan could lead the robot back and forth
+        return self._planned(state, actions, request)
 
     def _planned(self, state: "State", actions: Actions, request: "Request | None") -> Actions:
         proposal = self.planner(Situation(self.setting.problem, actions, (), state, request))
