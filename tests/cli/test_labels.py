@@ -56,6 +56,19 @@ def test_held_out_figures_and_their_picture(place, tmp_path):  # noqa: F811
         assert message in refused.err
 
 
+def test_labels_that_are_all_alike_teach_with_a_warning(place, tmp_path):  # noqa: F811
+    traces = [json.loads(line) for line in (place / "traces.jsonl").read_text().splitlines()]
+    for trace in traces:
+        for step in trace["steps"]:
+            step["label"] = None if step["label"] is None else True
+    (place / "alike.jsonl").write_text("".join(json.dumps(trace) + "\n" for trace in traces))
+    options = ["--bootstrap", "0", "-o", tmp_path / "l.json"]
+    done = explicable("train", "alike.jsonl", *options, cwd=place)
+    assert done.code == SOLVED, done.err
+    assert "all labels say explicable" in done.err
+    assert "all labels" not in explicable("train", "traces.jsonl", *options, cwd=place).err
+
+
 @pytest.fixture
 def steps(place):  # noqa: F811
     """The first trace of the study as plain text, with a problem of its own."""

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange, read_labelled_traces
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange, read_labelled_traces, warn
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
+    from explicable.labelling import Trace
     from explicable.labelling.validation import Validation
 
 DEFAULT_BOOTSTRAP = 50
@@ -83,6 +84,9 @@ def train(
     if augment is not None:
         options |= {"symbols": "ground", "num_copies": augment}
     traces = read_labelled_traces(*files)
+    answers = _robots_labels(traces)
+    if len(answers) == 1:
+        warn(f"all labels say {'explicable' if True in answers else 'inexplicable'}: so will the labeller")
     validation = None
     with _progress(1 + (num_folds or 0)) as tell:
         if num_folds is not None:
@@ -110,6 +114,16 @@ def train(
     )
     if validation is not None:
         _print(validation, by)
+
+
+def _robots_labels(traces: "Iterable[Trace]") -> set[bool]:
+    """Return whether robots' steps were called explicable: one of the two, both, or none."""
+    return {
+        step.label is not False
+        for trace in traces
+        for step in trace.steps
+        if step.label is not None and trace.problem.agent_of(step.action).kind == "robot"
+    }
 
 
 def _print(validation: "Validation", by: str) -> None:
