@@ -100,7 +100,7 @@ bool GoalOrder::improve(Monitor& monitor, Incumbent& best, bool shuffled) {
         order = std::move(other);
         tried = 0;
     }
-    best.offer(*current.plan, question_);
+    if (current.plan) best.offer(*current.plan, question_);  // else each order costs more than a plan may
     return monitor.stop() == Stop::none;
 }
 

@@ -15,7 +15,14 @@ from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.labeller import Labeller
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
-from explicable.planning import choose, front, plan_explicably, plan_within_budget
+from explicable.planning import (
+    choose,
+    front,
+    plan_classically,
+    plan_explicably,
+    plan_most_explicably,
+    plan_within_budget,
+)
 from explicable.search import Outcome, search
 from planning.floors import PATIENCE_S, SCHEMAS, floor, judge_of_progress
 from planning.test_differences import example
@@ -275,3 +282,13 @@ def test_ctrl_c_before_the_first_plan_leaves_none(rovers):
     assert (found.outcome, found.plan) == (Outcome.INTERRUPTED, None)
     with pytest.raises(KeyboardInterrupt):
         front(team, PressesCtrlC(labeller, question=1), search_s=0.0)
+
+
+def test_orders_of_the_goals_that_cost_too_much_are_left_alone():
+    team, labeller = ground_team(example("warehouse")), judge_of_progress()
+    labeller.schemas = tuple(schema.name for schema in team.problem.robot.domain.actions)
+    cheapest = plan_classically(
+        team, labeller=labeller, algorithm="anytime", max_evaluations=20_000
+    ).plan.cost
+    within = plan_most_explicably(team, labeller, cheapest, improve_s=3.0)
+    assert within.plan.cost <= cheapest

@@ -51,8 +51,9 @@ def plan_most_explicably(
     >>> from explicable.labelling.crf import ConditionalRandomField
     >>> from explicable.labelling.labeller import Labeller
     >>> from explicable.model.grounding import ground_team
-    >>> weights = ["step: remove-obstacle"], [[-5.0, 0.0]], [[0, 0], [0, 0]]
-    >>> labeller = Labeller(ConditionalRandomField.from_weights([True, False], *weights), schemas=["move"])
+    >>> names, weights = ["step: remove-obstacle", "step: move"], [[-5.0, 0.0], [3.0, 0.0]]
+    >>> model = ConditionalRandomField.from_weights([True, False], names, weights, [[0, 0], [0, 0]])
+    >>> labeller = Labeller(model, schemas=["move"])
     >>> team_task = ground_team(encode(World(("@o*", "..."))))
     >>> [plan_most_explicably(team_task, labeller, limit).plan.cost for limit in (4, None)]
     [4, 6]
