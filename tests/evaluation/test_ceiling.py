@@ -9,20 +9,13 @@ from explicable.errors import UsageError
 from explicable.evaluation.ceiling import plan_for_judges
 from explicable.execution import Participant, judge, prepare
 from explicable.first_response import World, encode
+from oracles.plans import all_plans
 
 
 def plans_of(task, max_steps):
-    """Every plan of up to so many steps that ends where it first reaches the goal."""
-    pending = [((), task.initial_state)]
-    while pending:
-        plan, state = pending.pop()
-        if task.is_goal(state):
-            yield plan
-        elif len(plan) < max_steps:
-            for operator in task.applicable(state):
-                action = task.action(operator)
-                if " " not in action[0]:
-                    pending.append(((*plan, action), task.successor(state, operator)))
+    """Every plan, as actions, without the stage's own switches."""
+    for operators in all_plans(task, max_steps, lambda action: " " not in action[0]):
+        yield tuple(map(task.action, operators))
 
 
 def held_against(setting, judges, actions):

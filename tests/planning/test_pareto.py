@@ -24,6 +24,7 @@ from explicable.planning import (
     plan_within_budget,
 )
 from explicable.search import Outcome, search
+from oracles.plans import all_plans
 from planning.floors import PATIENCE_S, SCHEMAS, floor, judge_of_progress
 from planning.test_differences import example
 
@@ -59,17 +60,6 @@ def test_at_every_alpha_the_front_holds_a_plan_of_least_objective(maze, plans):
         assert min(values) == pytest.approx(least.objective, abs=1e-5)
         (best,) = (found for found in plans if found.alpha_from < alpha < found.alpha_to)
         assert best.plan.cost + alpha * best.num_inexplicable == pytest.approx(min(values))
-
-
-def all_plans(task, max_steps):
-    """Every plan of up to so many steps that ends where it first reaches the goal."""
-    pending = [((), task.initial_state)]
-    while pending:
-        plan, state = pending.pop()
-        if task.is_goal(state):
-            yield plan
-        elif len(plan) < max_steps:
-            pending.extend(((*plan, o), task.successor(state, o)) for o in task.applicable(state))
 
 
 def judge_of_both(strength):

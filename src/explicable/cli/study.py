@@ -186,10 +186,9 @@ def status(folder: Path, database: str | None, as_json: bool) -> None:
 
     with open_study(folder, database) as opened:
         opened.store.write(lambda tx: free_places(opened.materials, tx, time.time()))
-        found = {
-            origin: opened.store.read(lambda tx, origin=origin: summarise(tx, opened.materials, origin))  # type: ignore[misc]
-            for origin in ("person", "simulated")
-        }
+        found = opened.store.read(
+            lambda tx: {origin: summarise(tx, opened.materials, origin) for origin in ("person", "simulated")}
+        )
     if as_json:
         click.echo(json.dumps({origin: summary.as_dict() for origin, summary in found.items()}))
         return

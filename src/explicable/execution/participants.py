@@ -3,6 +3,7 @@
 A participant is a handful of parameters. What it believes while it plays is its `mind`.
 """
 
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -100,6 +101,7 @@ class Family:
     def draw(self, number: int, rng: "np.random.Generator") -> Participant:
         """Make participant ``number`` of this family."""
         drawn = {name: float(rng.uniform(low, high)) for name, (low, high) in self.ranges.items()}
+        # Names and values were checked when the family was read.
         return Participant(f"simulated-{self.name}-{number}", **self.fixed, **drawn)  # type: ignore[arg-type]
 
 
@@ -168,18 +170,20 @@ def _family(name: str, table: object, path: str | Path | None) -> Family:
 
 def _fault(parameter: str, value: object) -> str | None:
     """Say what is wrong with a parameter's value, if anything."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
+    number = value if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
     if parameter in _WORDS:
         words = _WORDS[parameter]
         return None if value in words else f"{parameter} must be one of {', '.join(words)}, not {value!r}"
     if parameter in _SWITCHES:
         return None if isinstance(value, bool) else f"{parameter} must be true or false, not {value!r}"
     if parameter in _PROBABILITIES:
-        sound = number and 0 <= value <= 1  # type: ignore[operator]
-        return None if sound else f"{parameter} must be a probability, not {value!r}"
+        return None if 0 <= number <= 1 else f"{parameter} must be a probability, not {value!r}"
     if parameter in _COSTS:
         least = 1e-6 if parameter == "temperature" else 0
-        sound = number and least <= value < float("inf")  # type: ignore[operator]
-        return None if sound else f"{parameter} must be a cost of at least {least:g}, not {value!r}"
+        return (
+            None
+            if least <= number < math.inf
+            else f"{parameter} must be a cost of at least {least:g}, not {value!r}"
+        )
     known = (*_WORDS, *_COSTS, *_PROBABILITIES, *_SWITCHES)
     return f"unknown parameter {parameter!r}; known are {', '.join(known)}"

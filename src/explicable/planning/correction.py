@@ -57,7 +57,7 @@ def _corrected(schema: ActionSchema, difference: SchemaDifference) -> ActionSche
             return replace(schema, effects=(*others, effect) if difference.present else others)
         case tuple(cost):
             return replace(schema, cost=cost)
-        case formula:
+        case formula:  # the only kind left, which mypy does not see
             parts = tuple(part for part in conjuncts(schema.precondition) if part != formula)
             return replace(
                 schema,

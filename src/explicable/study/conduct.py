@@ -278,7 +278,7 @@ class Conduct:
         practice = tx.find(tables.ASSIGNMENTS, session=session.id, position=0)
         return practice is not None and practice.status == "done"
 
-    def _change(self, tx: Transaction, session: Session, request: Request, **values: Any) -> Session:  # noqa: ANN401
+    def _change(self, tx: Transaction, session: Session, request: Request, **values: Any) -> Session:  # noqa: ANN401 (columns)
         """Change a session, if nothing has changed it meanwhile; its revision tells, also other tabs."""
         changed = replace(session, revision=session.revision + 1, **values)
         key = {"id": session.id, "revision": session.revision}

@@ -64,7 +64,7 @@ class DirectRoute(APIRoute):
     The endpoint takes ``request`` and ``body``, and returns a response.
     """
 
-    def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:  # noqa: ANN401
+    def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:  # noqa: ANN401 (its parent's)
         super().__init__(path, endpoint, **options)
         (body,) = (
             kind for name, kind in get_type_hints(endpoint).items() if name not in {"request", "return"}

@@ -111,7 +111,7 @@ class Pages:
             kinds = {task.kind for task in study.task}
             values.update(
                 text=self._text("instructions"),
-                key=[(Markup(sign), meaning) for sign, meaning in map_key(self.materials.language.text)],  # noqa: S704
+                key=[(Markup(sign), meaning) for sign, meaning in map_key(self.materials.language.text)],  # noqa: S704 (our own)
                 has_play="play" in kinds,
                 has_replay="replay" in kinds,
             )
