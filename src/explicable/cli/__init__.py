@@ -3,7 +3,7 @@
 ===== =========================================================================
 exit  meaning
 ===== =========================================================================
-0     solved, or done
+0     solved, or done; also if whoever read the output has closed the pipe
 1     some trials of an evaluation failed; its report lists them
 2     wrong usage: unknown option, missing argument, impossible value
 3     bad input: a file that is damaged, ill-typed or does not fit
@@ -13,8 +13,13 @@ exit  meaning
 ===== =========================================================================
 """
 
+import errno
+import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
+from typing import Any
 
 import click
 
@@ -50,8 +55,31 @@ COMMANDS = {
 }
 
 
+class ReaderGoneError(Exception):
+    """Whoever read our output, such as `head`, has enough of it."""
+
+
+@contextmanager
+def _noticing_closed_pipes() -> Iterator[None]:
+    """Turn the error of a closed pipe into one of ours: for that of its own click leaves with code 1."""
+    try:
+        yield
+    except BrokenPipeError as error:
+        raise ReaderGoneError from error
+
+
 class LazyGroup(click.Group):
     """A group of commands that imports the command's module when it is needed."""
+
+    def make_context(self, *arguments: Any, **options: Any) -> click.Context:
+        """Read the command line; `--help` and `--version` answer here."""
+        with _noticing_closed_pipes():
+            return super().make_context(*arguments, **options)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command."""
+        with _noticing_closed_pipes():
+            return super().invoke(ctx)
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 (the signature is click's)
         """Commands in the order of the table above."""
@@ -89,8 +117,8 @@ def run(arguments: list[str]) -> int:
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         return EXIT_INTERRUPTED
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader of our output has gone: nobody is left to complain to
+    except ReaderGoneError:
+        _discard_output()
         return 0
     except UsageError as error:
         return _fail(error, EXIT_USAGE)
@@ -101,11 +129,19 @@ def run(arguments: list[str]) -> int:
     except ExplicableError as error:
         return _fail(error, EXIT_BAD_INPUT)
     except OSError as error:
-        place = f"{error.filename}: " if error.filename else ""
-        return _fail(f"{place}{error.strerror or error}", EXIT_BAD_INPUT)
+        # Files are named by those who write them; what is printed has no name.
+        place = error.filename or ("standard output" if error.errno == errno.ENOSPC else None)
+        return _fail(f"{place}: {error.strerror}" if place else error.strerror or error, EXIT_BAD_INPUT)
     return outcome if isinstance(outcome, int) else 0
 
 
 def _fail(error: object, code: int) -> int:
     click.echo(f"explicable: {error}", err=True)
     return code
+
+
+def _discard_output() -> None:
+    """Lead standard output nowhere, so that Python does not fail to write what is left of it at its end."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)

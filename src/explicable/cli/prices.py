@@ -1,7 +1,6 @@
 """Options of `plan` and `tell`: what else a plan is charged for, and for how long it is improved."""
 
 import functools
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from explicable.cli.files import INPUT_FILE, FiniteRange
+from explicable.cli.progress import is_watched
 
 if TYPE_CHECKING:
     from explicable.planning import HumanModel
@@ -82,7 +82,7 @@ def improvement_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def show_progress() -> Callable[[float], None] | None:
     """Return what says on standard error, if that is a terminal, how good the best plan is."""
-    if not sys.stderr.isatty():
+    if not is_watched():
         return None
     started = time.monotonic()
 

@@ -1,7 +1,6 @@
 """`explicable train`: from labelled traces to a labeller."""
 
 import json
-import sys
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -9,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange, read_labelled_traces, warn
+from explicable.cli.progress import is_watched
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -146,7 +146,7 @@ def _print(validation: "Validation", by: str) -> None:
 @contextmanager
 def _progress(num_parts: int) -> "Iterator[Callable[[str], None]]":
     """Show what is under way, on a terminal only."""
-    if not sys.stderr.isatty():
+    if not is_watched():
         yield lambda _: None
         return
     from rich.console import Console
