@@ -17,6 +17,7 @@ study_argument = click.argument("folder", metavar="DIR", type=STUDY)
 database_option = click.option(
     "--database", metavar="URL", help="Database, as SQLAlchemy writes it. Default: the file study.db in DIR."
 )
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 
 
 @click.group()
@@ -103,7 +104,7 @@ def serve(
 @click.option("--at-once", type=click.IntRange(min=1), default=8, show_default=True, help="How many at once.")
 @click.option("--pace", type=FiniteRange(min=0), default=0.0, help="Seconds between the labels of each.")
 @database_option
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def simulate(
     folder: Path,
     num: int,
@@ -122,12 +123,15 @@ def simulate(
     import contextlib
 
     from explicable.study.folder import open_study
+    from explicable.study.materials import read_materials
     from explicable.study.serving import Server
-    from explicable.study.simulation import Simulation
+    from explicable.study.simulation import Simulation, check_served
 
     kind = find_family(family, None)
     with contextlib.ExitStack() as stack:
-        if url is None:
+        if url is not None:
+            check_served(url, read_materials(folder).hash)
+        else:
             server = Server(folder, port=0, database=database, trusts_floods=True)
             if server.announcement.new_password:
                 click.echo(f"the researcher's password: {server.announcement.new_password}", err=True)
@@ -158,7 +162,8 @@ def simulate(
 @study_argument
 @click.option("-o", "--output", type=FOLDER, required=True, help="Folder to make for the data set.")
 @database_option
-def export(folder: Path, output: Path, database: str | None) -> None:
+@json_option
+def export(folder: Path, output: Path, database: str | None, as_json: bool) -> None:
     """Write the data of the study in DIR: CSV, JSON Lines, Parquet (Psych-DS), codebook, checksums, traces.
 
     What a recruitment platform told about people is never exported.
@@ -168,6 +173,9 @@ def export(folder: Path, output: Path, database: str | None) -> None:
 
     with open_study(folder, database) as opened:
         counts = opened.store.read(lambda tx: write_export(tx, opened.materials, output))
+    if as_json:
+        click.echo(json.dumps({"folder": str(output), "rows": counts}))
+        return
     for table, count in counts.items():
         click.echo(f"{table:15} {count:8}")
 
@@ -175,7 +183,7 @@ def export(folder: Path, output: Path, database: str | None) -> None:
 @study.command()
 @study_argument
 @database_option
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def status(folder: Path, database: str | None, as_json: bool) -> None:
     """Say how far the study in DIR has come: people and simulated participants apart."""
     import time
@@ -215,7 +223,8 @@ def status(folder: Path, database: str | None, as_json: bool) -> None:
 @click.argument("participant")
 @database_option
 @click.option("--yes", is_flag=True, help="Don't ask.")
-def forget(folder: Path, participant: str, database: str | None, yes: bool) -> int:
+@json_option
+def forget(folder: Path, participant: str, database: str | None, yes: bool, as_json: bool) -> int:
     """Erase all data of PARTICIPANT from the study in DIR; a tombstone remains."""
     import time
 
@@ -230,7 +239,8 @@ def forget(folder: Path, participant: str, database: str | None, yes: bool) -> i
         if not yes:
             click.confirm(f"Erase everything that {participant} left?", abort=True)
         rows = opened.store.write(lambda tx: erase(tx, participant, time.time()))
-    click.echo(f"{participant}: {rows} rows erased")
+    told = json.dumps({"participant": participant, "rows_erased": rows})
+    click.echo(told if as_json else f"{participant}: {rows} rows erased")
     return 0
 
 

@@ -1,15 +1,16 @@
 """A study as its researcher writes it down: ``study.toml`` (docs/study.md)."""
 
-import hashlib
+import re
 import tomllib
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from explicable.errors import InputError
 from explicable.first_response.encoding import Semantics
 from explicable.study.game import Ask
+from explicable.study.lines import line_of
 
 FILE = "study.toml"
 
@@ -117,6 +118,23 @@ class Task(_Table):
         """Whether a map is played, or a plan is replayed."""
         return "play" if self.plan is None else "replay"
 
+    @property
+    def renderer(self) -> Literal["first-response", "places", "none"]:
+        """What draws it: a map need not name it."""
+        return self.picture or ("none" if self.map is None else "first-response")
+
+    @property
+    def files(self) -> list[str]:
+        """The files that it names."""
+        names = (self.map, self.domain, self.problem, self.human_domain, self.human_problem, self.plan)
+        return [name for name in names if name is not None]
+
+
+class Practice(Task):
+    """What people practise on: a map to play, or a plan to watch; it has no name of its own."""
+
+    name: Name = "practice"
+
 
 class Question(_Table):
     """A comprehension question, or an attention check that says openly what to choose."""
@@ -176,7 +194,7 @@ class Study(_Table):
     time_limit_min
         Minutes without a sign of life after which a session gives its place back.
     practice
-        Map to practise on.
+        What people practise on; a text names a map.
     question, check
         Comprehension questions; attention checks, which stand among the ratings.
     sentences, facts
@@ -192,7 +210,7 @@ class Study(_Table):
     tasks_each: Annotated[int, Field(ge=1, le=100)] = 4
     max_attempts: Annotated[int, Field(ge=1, le=20)] = 3
     time_limit_min: Annotated[float, Field(gt=0)] = 60.0
-    practice: Text
+    practice: Practice
     play: Play = Play()
     texts: Texts = Texts()
     recruitment: Recruitment = Recruitment()
@@ -205,16 +223,24 @@ class Study(_Table):
     places: dict[str, Inside] = {"at": "1 in 2", "in": "1 in 2", "on": "1 in 2"}
     task: Annotated[list[Task], Field(min_length=1, max_length=10_000)]
 
+    @field_validator("practice", mode="before")
+    @classmethod
+    def _takes_a_map(cls, value: object) -> object:
+        return {"map": value} if isinstance(value, str) else value
+
     @model_validator(mode="after")
     def _names_are_unique(self) -> Self:
         for what, names in (
-            ("task", [task.name for task in self.task]),
+            ("task", [self.practice.name, *(task.name for task in self.task)]),
             ("condition", [condition.name for condition in self.condition]),
             ("rating", [rating.name for rating in self.rating]),
         ):
             twice = next((name for name in names if names.count(name) > 1), None)
             if twice:
                 raise ValueError(f"two {what}s are called {twice!r}")
+        for rating in self.rating:
+            if rating.name == "comment" or rating.name.startswith("check-"):
+                raise ValueError(f"no rating can be called {rating.name!r}: other answers are")
         return self
 
     @property
@@ -239,7 +265,7 @@ def read_study(folder: str | Path) -> Study:
     Raises
     ------
     InputError
-        If it is missing or wrong; names the key.
+        If it is missing or wrong; names the key and its line.
 
     Examples
     --------
@@ -249,10 +275,13 @@ def read_study(folder: str | Path) -> Study:
     """
     path = Path(folder) / FILE
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        text = path.read_text(encoding="utf-8-sig")
+        data = tomllib.loads(text)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", path=path) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except tomllib.TOMLDecodeError as error:
+        raise _misspelt(error, path) from error
+    except (ValueError, RecursionError) as error:  # no UTF-8; a number of thousands of digits; brackets
         raise InputError(f"not TOML: {error}", path=path) from error
     shared = data.get("play", {})
     conditions = data.get("condition")
@@ -262,43 +291,22 @@ def read_study(folder: str | Path) -> Study:
     try:
         return Study.model_validate(data)
     except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])
-        message = first["msg"].removeprefix("Value error, ")
-        raise InputError(f"{place}: {message}" if place else message, path=path) from error
+        raise _misstated(error, text, path) from error
 
 
-def resolve(folder: Path, name: str) -> Path:
-    """Return the path of a file of the study, which lies in its folder.
-
-    Raises
-    ------
-    InputError
-        If the name leads out of the folder, or is none.
-
-    Examples
-    --------
-    >>> resolve(Path("study"), "../secret")
-    Traceback (most recent call last):
-    explicable.errors.InputError: study/study.toml: '../secret' lies outside the study's folder
-    """
-    try:
-        inside = (folder / name).resolve().is_relative_to(folder.resolve())
-    except (ValueError, RuntimeError, OSError) as error:  # a null byte; links in a circle
-        raise InputError(f"{name!r} is no name of a file", path=folder / FILE) from error
-    if not inside:
-        raise InputError(f"{name!r} lies outside the study's folder", path=folder / FILE)
-    return folder / name
+def _misspelt(error: tomllib.TOMLDecodeError, path: Path) -> InputError:
+    """Say where a file is no TOML."""
+    place = re.search(r" \(at line (\d+), column (\d+)\)$", str(error))
+    if place is None:
+        return InputError(f"not TOML: {error}", path=path)
+    message = f"not TOML: {str(error)[: place.start()]}"
+    return InputError(message, path=path, line=int(place[1]), column=int(place[2]))
 
 
-def study_hash(folder: Path, study: Study) -> str:
-    """Return the SHA-256 of the study's file and of every file that it names."""
-    names = [FILE, study.practice, *study.texts.model_dump(exclude_none=True).values()]
-    for task in study.task:
-        files = (task.map, task.domain, task.problem, task.human_domain, task.human_problem, task.plan)
-        names += [name for name in files if name is not None]
-    names += [condition.labeller for condition in study.conditions if condition.labeller is not None]
-    digest = hashlib.sha256()
-    for name in dict.fromkeys(names):
-        digest.update(hashlib.sha256(resolve(folder, name).read_bytes()).digest())
-    return digest.hexdigest()
+def _misstated(error: ValidationError, text: str, path: Path) -> InputError:
+    """Say which key of a file has no meaning, and where it stands."""
+    first = error.errors()[0]
+    name = ".".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])
+    told = {"extra_forbidden": "there is no such key", "missing": "is missing"}
+    message = told.get(first["type"], first["msg"].removeprefix("Value error, "))
+    return InputError(f"{name}: {message}" if name else message, path=path, line=line_of(text, first["loc"]))

@@ -14,7 +14,7 @@ from explicable.study import schema as tables
 from explicable.study.config import FILE
 from explicable.study.materials import Materials, read_materials
 from explicable.study.security import Keys, hash_password
-from explicable.study.store import DATABASE, Store, migrate, sqlite_url
+from explicable.study.store import Store, migrate, sqlite_file, sqlite_url
 from explicable.study.transaction import Transaction
 from explicable.study.words import language as load_language
 
@@ -131,9 +131,11 @@ def open_study(folder: Path, database: str | None = None) -> Iterator[OpenStudy]
         If it has no database yet.
     """
     materials = read_materials(folder)
-    if database is None and not (folder / DATABASE).exists():
-        raise InputError("there are no data yet: nobody has been served", path=folder / DATABASE)
-    store = Store(database or sqlite_url(folder.resolve()))
+    url = database or sqlite_url(folder.resolve())
+    file = sqlite_file(url)
+    if file is not None and not file.exists():
+        raise InputError("there are no data yet: nobody has been served", path=file)
+    store = Store(url)
     try:
         yield OpenStudy(materials, store, Keys(store.read(read_secret)))
     finally:

@@ -1,5 +1,6 @@
 """What a study is made of, read and prepared: problems, plans, pictures, words."""
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -13,7 +14,7 @@ from explicable.model.plan import format_action, read_plan
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
 from explicable.pddl import read_team_problem
-from explicable.study.config import FILE, Condition, Study, Task, read_study, resolve, study_hash
+from explicable.study.config import FILE, Condition, Study, Task, read_study
 from explicable.study.game import Game, play_by_commands, replay
 from explicable.study.pictures import MapPictures, Pictures
 from explicable.study.places import place_pictures
@@ -59,9 +60,8 @@ class Materials:
 
     @cached_property
     def tasks(self) -> Mapping[str, Task]:
-        """All tasks by name, the practice map included."""
-        practice = Task(name=PRACTICE, map=self.study.practice)
-        return {**{task.name: task for task in self.study.task}, PRACTICE: practice}
+        """All tasks by name, practice included."""
+        return {**{task.name: task for task in self.study.task}, PRACTICE: self.study.practice}
 
     @cached_property
     def conditions(self) -> Mapping[str, Condition]:
@@ -116,10 +116,9 @@ class Materials:
 
     def _pictures(self, task: Task, world: World | None, setting: Setting) -> Pictures | None:
         """Return the renderer that the task names; of a map it need not name any."""
-        renderer = task.picture or ("first-response" if world else "none")
-        if renderer == "first-response" and world:
+        if task.renderer == "first-response" and world:
             return MapPictures(world)
-        if renderer == "none":
+        if task.renderer == "none":
             return None
         inside = {name: _arguments(text) for name, text in self.study.places.items()}
         truth, mental = setting.truth.task, setting.problem.mental.init
@@ -183,3 +182,37 @@ def read_materials(folder: str | Path) -> Materials:
         return Materials(folder, study, study_hash(folder, study))
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", path=error.filename) from error
+
+
+def resolve(folder: Path, name: str) -> Path:
+    """Return the path of a file of the study, which lies in its folder.
+
+    Raises
+    ------
+    InputError
+        If the name leads out of the folder, or is none.
+
+    Examples
+    --------
+    >>> resolve(Path("study"), "../secret")
+    Traceback (most recent call last):
+    explicable.errors.InputError: study/study.toml: '../secret' lies outside the study's folder
+    """
+    try:
+        inside = (folder / name).resolve().is_relative_to(folder.resolve())
+    except (ValueError, RuntimeError, OSError) as error:  # a null byte; links in a circle
+        raise InputError(f"{name!r} is no name of a file", path=folder / FILE) from error
+    if not inside:
+        raise InputError(f"{name!r} lies outside the study's folder", path=folder / FILE)
+    return folder / name
+
+
+def study_hash(folder: Path, study: Study) -> str:
+    """Return the SHA-256 of the study's file and of every file that it names."""
+    names = [FILE, *study.practice.files, *study.texts.model_dump(exclude_none=True).values()]
+    names += [name for task in study.task for name in task.files]
+    names += [condition.labeller for condition in study.conditions if condition.labeller is not None]
+    digest = hashlib.sha256()
+    for name in dict.fromkeys(names):
+        digest.update(hashlib.sha256(resolve(folder, name).read_bytes()).digest())
+    return digest.hexdigest()

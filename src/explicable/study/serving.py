@@ -69,8 +69,12 @@ class Server:
         materials = read_materials(folder)
         materials.check()
         url = database or sqlite_url(folder.resolve())
-        opened = open_database(url, materials.hash, renews_password=renews_password)
-        self._socket = _bind(host, port)
+        self._socket = _bind(host, port)  # before a password is made that nobody would be shown
+        try:
+            opened = open_database(url, materials.hash, renews_password=renews_password)
+        except BaseException:
+            self._socket.close()
+            raise
         shown = f"[{host}]" if ":" in host else host
         link = f"http://{shown}:{self._socket.getsockname()[1]}/"
         platform = materials.study.recruitment.platform

@@ -6,14 +6,17 @@ They are test instruments: their link is signed by the study itself, and every r
 
 import asyncio
 import html
+import json
 import math
 import re
 import secrets
 import sys
 import time
+import urllib.request
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+from urllib.parse import urljoin
 
 import numpy as np
 
@@ -34,6 +37,7 @@ if TYPE_CHECKING:
 _HIDDEN = re.compile(r'<input type="hidden" name="(\w+)" value="([^"]*)"')
 _MAX_TRIES = 480
 _RETRY_S = 0.25
+_FIRST_ANSWER_S = 30
 
 
 class _Options(TypedDict, total=False):
@@ -235,6 +239,24 @@ class _Visit:
                     break
             await asyncio.sleep(_RETRY_S)
         raise InputError(f"{method} {path}: {problem}", path=self.simulation.link)
+
+
+def check_served(link: str, study_hash: str) -> None:
+    """Check that a study is served at a link, before participants go there.
+
+    Raises
+    ------
+    InputError
+        If nobody answers, or another study is served there.
+    """
+    try:
+        with urllib.request.urlopen(urljoin(link, "/health"), timeout=_FIRST_ANSWER_S) as answer:  # noqa: S310 (by whoever runs it)
+            told = json.load(answer)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "reason", error)
+        raise InputError(f"no study answers there: {reason}", path=link) from error
+    if not isinstance(told, dict) or told.get("study") != study_hash:
+        raise InputError("another study is served there, or its files have changed since", path=link)
 
 
 def rehearse(

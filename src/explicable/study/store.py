@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import sqlalchemy as sql
 from sqlalchemy import Connection, Engine, event
-from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.exc import ArgumentError, DBAPIError, OperationalError, SQLAlchemyError
 
 from explicable.errors import InputError
 from explicable.study.transaction import Transaction
@@ -41,7 +41,7 @@ class Store:
                 self._reading = self.engine
             self.writer = Writer(self.engine)
         except (SQLAlchemyError, ImportError) as error:
-            raise InputError(f"the database {_without_password(url)} can't be opened: {error}") from error
+            raise InputError(_refusal(url, error)) from error
 
     def submit(self, job: Callable[[Transaction], T]) -> "Future[T]":
         """Let a job run that may write; see `Writer.submit`."""
@@ -77,6 +77,17 @@ def sqlite_url(folder: Path) -> str:
     return f"sqlite:///{folder / DATABASE}"
 
 
+def sqlite_file(url: str) -> Path | None:
+    """Return the file of an embedded database; None for a server's.
+
+    Examples
+    --------
+    >>> sqlite_file("sqlite:///study/study.db").as_posix(), sqlite_file("postgresql+psycopg:///study")
+    ('study/study.db', None)
+    """
+    return Path(url.removeprefix("sqlite:///")) if url.startswith("sqlite:///") else None
+
+
 def open_engine(url: str, *, begin: str = "BEGIN IMMEDIATE") -> Engine:
     """Open a database; SQLite so that what is committed survives the loss of power.
 
@@ -108,16 +119,23 @@ def migrate(url: str) -> None:
 
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
-    engine = open_engine(url)
     try:
-        with engine.begin() as connection:
-            config.attributes["connection"] = connection
-            command.upgrade(config, "head")
-    except SQLAlchemyError as error:
-        raise InputError(f"the database {_without_password(url)} can't be opened: {error}") from error
-    finally:
-        engine.dispose()
+        engine = open_engine(url)
+        try:
+            with engine.begin() as connection:
+                config.attributes["connection"] = connection
+                command.upgrade(config, "head")
+        finally:
+            engine.dispose()
+    except (SQLAlchemyError, ImportError) as error:
+        raise InputError(_refusal(url, error)) from error
 
 
-def _without_password(url: str) -> str:
-    return sql.make_url(url).render_as_string(hide_password=True)
+def _refusal(url: str, error: SQLAlchemyError | ImportError) -> str:
+    """Say in one line why a database can't be opened; its password is nobody's business."""
+    try:
+        shown = sql.make_url(url).render_as_string(hide_password=True)
+    except ArgumentError:
+        return "that is no address of a database: it looks like postgresql+psycopg://user@host/name"
+    reason = str(error.orig if isinstance(error, DBAPIError) else error).splitlines()[0]
+    return f"the database {shown} can't be opened: {reason}"
