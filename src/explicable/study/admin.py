@@ -18,7 +18,6 @@ from explicable.study.enrolment import free_places
 from explicable.study.folder import read_setting
 from explicable.study.forms import read_form
 from explicable.study.ledger import OPEN_STAGES
-from explicable.study.pages import PARTS
 from explicable.study.records import live_sessions
 from explicable.study.security import ADMIN_COOKIE, ADMIN_HOURS, Limiter, is_password
 from explicable.study.summary import summarise
@@ -93,7 +92,6 @@ def routes(server: "Server", tries: Limiter) -> APIRouter:
             token=keys.token(owner),
             origin=origin,
             summary=summary,
-            dropout=dropout(summary.stages),
             live=live,
             now=now,
             hash=materials.hash,
@@ -116,22 +114,6 @@ def routes(server: "Server", tries: Limiter) -> APIRouter:
 
     router.include_router(editor.routes(server, require), prefix="")
     return router
-
-
-def dropout(stages: dict[str, int]) -> list[tuple[str, int, int]]:
-    """Count for each part of the session who is at it, and who has got at least so far.
-
-    Examples
-    --------
-    >>> dropout({"tasks": 2, "debrief": 3})[3:]
-    [('tasks', 2, 5), ('ratings', 0, 3), ('debrief', 3, 3)]
-    """
-    rows, beyond = [], 0
-    for stage in reversed(PARTS):
-        here = stages.get(stage.value, 0)
-        beyond += here
-        rows.append((stage.value, here, beyond))
-    return rows[::-1]
 
 
 def _zip_export(tx: Transaction, server: "Server", folder: Path) -> Path:

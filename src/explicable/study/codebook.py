@@ -22,7 +22,6 @@ COLUMNS: Mapping[str, tuple[str, str]] = MappingProxyType(
         "attempt": ("integer", "How often the questions had been tried before."),
         "attempts": ("integer", "How often the comprehension questions were tried."),
         "client_time": ("number", "Seconds since 1970 by the participant's clock when the answer was sent."),
-        "code": ("string", "Completion code that the participant was shown."),
         "condition": ("string", "Experimental condition, as named in study.toml."),
         "created": ("number", "Seconds since 1970 (UTC) at the beginning."),
         "data": ("string", "What belongs to the event, as JSON."),

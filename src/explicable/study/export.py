@@ -25,7 +25,7 @@ from explicable.labelling import LabelledStep, Trace, write_traces
 from explicable.model.plan import parse_action
 from explicable.study.codebook import COLUMNS, TABLES, format_codebook
 from explicable.study.materials import Materials
-from explicable.study.records import labelled_steps, whole_table
+from explicable.study.records import PRIVATE, labelled_steps, whole_table
 from explicable.study.transaction import Row, Transaction
 
 Record = Mapping[str, Any]
@@ -129,7 +129,7 @@ def _columns_of(table: str) -> list[str]:
 
     if table == "labelled-steps":
         return ["participant", "origin", "task", "number", "operator", "explicable"]
-    return [c.name for c in METADATA.tables[table].c if c.name not in {"start_request", "request"}]
+    return [c.name for c in METADATA.tables[table].c if c.name not in PRIVATE]
 
 
 def _type(table: str, column: str) -> str:

@@ -15,10 +15,11 @@ from explicable.study.conduct import Standing
 from explicable.study.config import Question
 from explicable.study.materials import Materials
 from explicable.study.pictures import map_key
-from explicable.study.protocol import Event, Stage
+from explicable.study.protocol import PARTS, Event, Stage
 from explicable.study.recruitment import return_link
 from explicable.study.security import Keys
 from explicable.study.view import Views
+from explicable.study.words import language
 
 HERE = Path(__file__).parent
 MOST_COMMENT = 5000
@@ -32,7 +33,6 @@ TEMPLATES = {
     Stage.EXCLUDED: "ended.html",
     Stage.RETURNED: "ended.html",
 }
-PARTS = (Stage.INSTRUCTIONS, Stage.PRACTICE, Stage.COMPREHENSION, Stage.TASKS, Stage.RATINGS, Stage.DEBRIEF)
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class Pages:
             lstrip_blocks=True,
             undefined=jinja2.StrictUndefined,
         )
-        language = self.materials.language
-        environment.globals.update(_=language.text, lang=language.code, study=self.materials.study)
+        own = self.materials.language
+        environment.globals.update(_=own.text, lang=own.code, study=self.materials.study)
         return environment
 
     def page(self, template: str, status: int = 200, /, **values: object) -> HTMLResponse:
@@ -63,7 +63,7 @@ class Pages:
 
     def admin(self, template: str, status: int = 200, /, **values: object) -> Response:
         """Fill in one of the researcher's pages, which are in English."""
-        return self.page(template, status, lang="en", **values)
+        return self.page(template, status, lang="en", _=language("en").text, **values)
 
     def consent(self, recruit: dict[str, str], simulated: str | None) -> Response:
         """Ask for consent; the ticket carries over what the link told, and makes sending twice harmless."""
@@ -82,14 +82,15 @@ class Pages:
         """Say that nobody else can take part, or not this person again."""
         if is_repeat:
             message = "You have taken part in this study before. Thank you for your interest."
-        else:
-            message = "Everybody whom we need has taken part. Thank you for your interest."
+            return self._message("Thank you", message, 409)
+        message = "Everybody whom we need has taken part. Thank you for your interest."
         return self._message("No place left", message, 409)
 
     def problem(self, message: str, status: int) -> Response:
         """Say what is wrong with a request."""
         translated = self.materials.language.text(message)
-        return self._message("That did not work", f"{translated[:1].upper()}{translated[1:]}.", status)
+        sentence = f"{translated[:1].upper()}{translated[1:]}."
+        return self._message("That did not work", sentence, status, is_problem=True)
 
     def session(
         self, standing: Standing, recruit: Mapping[str, str], filled_in: Mapping[str, str] | None = None
@@ -108,12 +109,14 @@ class Pages:
             "condition": self.materials.conditions[session.condition],
         }
         if stage is Stage.INSTRUCTIONS:
-            kinds = {task.kind for task in study.task}
+            shown = self.materials.tasks.values()
+            has_map = any(task.renderer == "first-response" for task in shown)
+            signs = map_key(self.materials.language.text) if has_map else []
             values.update(
                 text=self._text("instructions"),
-                key=[(Markup(sign), meaning) for sign, meaning in map_key(self.materials.language.text)],  # noqa: S704 (our own)
-                has_play="play" in kinds,
-                has_replay="replay" in kinds,
+                key=[(Markup(sign), meaning) for sign, meaning in signs],  # noqa: S704 (our own)
+                has_play=any(task.kind == "play" for task in shown),
+                has_replay=any(task.kind == "replay" for task in shown),
             )
         elif stage in {Stage.PRACTICE, Stage.TASKS}:
             view = self.views.view(standing)
@@ -171,13 +174,21 @@ class Pages:
     def _text(self, name: str) -> Markup:
         own = self.materials.text(name)
         if own is None:
-            language = self.materials.study.language
-            own = (HERE / "texts" / language / f"{name}.md").read_text(encoding="utf-8")
+            code = self.materials.study.language
+            own = (HERE / "texts" / code / f"{name}.md").read_text(encoding="utf-8")
         return Markup(MarkdownIt("commonmark", {"html": False}).render(own))  # noqa: S704 (HTML in it is escaped)
 
-    def _message(self, heading: str, message: str, status: int = 200) -> Response:
+    def _message(
+        self, heading: str, message: str, status: int = 200, *, is_problem: bool = False
+    ) -> Response:
         translate = self.materials.language.text
-        return self.page("message.html", status, heading=translate(heading), message=translate(message))
+        return self.page(
+            "message.html",
+            status,
+            heading=translate(heading),
+            message=translate(message),
+            is_problem=is_problem,
+        )
 
 
 def _chosen(kind: str, questions: list[Question], form: Mapping[str, str]) -> dict[str, str]:

@@ -68,8 +68,14 @@ TABLE = MappingProxyType(
 )
 """The stage that follows, by stage and event."""
 
+PARTS = (Stage.INSTRUCTIONS, Stage.PRACTICE, Stage.COMPREHENSION, Stage.TASKS, Stage.RATINGS, Stage.DEBRIEF)
+"""The stages of a session that gets to the end, in order."""
+
 FINAL = frozenset({Stage.DEBRIEF, Stage.DECLINED, Stage.EXCLUDED, Stage.RETURNED})
 """Stages that nothing leads out of."""
+
+DEPARTURES = (Event.LEFT, Event.TIMED_OUT, Event.GAVE_UP)
+"""Events by which a session ends before its end."""
 
 ACTIVE = frozenset(Stage) - FINAL
 """Stages in which a session takes a place in the study."""

@@ -1,21 +1,29 @@
 """Questions to the database that go over many sessions: for summaries, pages and export."""
 
+import json
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import sqlalchemy as sql
 
 from explicable.study import schema as tables
+from explicable.study.protocol import DEPARTURES, Stage
 from explicable.study.transaction import Row, Transaction
 
-A, E, L, P, S, T = (
+A, E, L, N, P, S, T = (
     tables.ASSIGNMENTS,
     tables.EVENTS,
     tables.LABELS,
+    tables.ANSWERS,
     tables.PARTICIPANTS,
     tables.SESSIONS,
     tables.STEPS,
 )
+
+
+PRIVATE = frozenset({"start_request", "request", "code"})
+"""Columns that are never exported: secrets, and the code by which a platform knows its people."""
 
 
 class LabelRow(NamedTuple):
@@ -39,6 +47,14 @@ class TaskRow(NamedTuple):
     num: int
 
 
+class CheckRow(NamedTuple):
+    """An answer to an attention check, which is named by its number."""
+
+    participant: str
+    name: str
+    value: str
+
+
 def read_labels(tx: Transaction, origin: str) -> list[LabelRow]:
     """Return all labels of one origin, those of practice left out."""
     query = (
@@ -57,6 +73,28 @@ def read_labels(tx: Transaction, origin: str) -> list[LabelRow]:
 def count_stages(tx: Transaction, origin: str) -> dict[str, int]:
     """Count sessions by stage."""
     return {key[0]: number for key, number in tx.count(S, "stage", origin=origin).items()}
+
+
+def count_departures(tx: Transaction, origin: str) -> dict[tuple[str, str], int]:
+    """Count who went before the end, by the stage and the kind of event at which they did."""
+    query = sql.select(E.c.kind, E.c.data).where(E.c.origin == origin, E.c.kind.in_(DEPARTURES))
+    return Counter((json.loads(row.data)["stage"], row.kind) for row in tx.stream(query))
+
+
+def completion_codes(tx: Transaction, origin: str) -> dict[str, str]:
+    """Return the completion codes of those who have got to the end, by participant."""
+    query = sql.select(S.c.participant, S.c.code).where(S.c.origin == origin, S.c.stage == Stage.DEBRIEF)
+    return {row.participant: row.code for row in tx.stream(query)}
+
+
+def read_checks(tx: Transaction, origin: str) -> list[CheckRow]:
+    """Return the answers to attention checks."""
+    query = (
+        sql.select(S.c.participant, N.c.name, N.c.value)
+        .join(S, S.c.id == N.c.session)
+        .where(N.c.origin == origin, N.c.stage == Stage.RATINGS, N.c.name.like("check-%"))
+    )
+    return [CheckRow(*row) for row in tx.stream(query)]
 
 
 def count_tasks(tx: Transaction, origin: str) -> list[TaskRow]:
@@ -140,7 +178,7 @@ def labelled_steps(tx: Transaction) -> Iterator[Row]:
 def whole_table(tx: Transaction, name: str) -> Iterator[Row]:
     """Yield the rows of one of the tables that may be exported."""
     table = tables.METADATA.tables[name]
-    columns: list[Any] = [column for column in table.c if column.name not in {"start_request", "request"}]
+    columns: list[Any] = [column for column in table.c if column.name not in PRIVATE]
     yield from tx.stream(sql.select(*columns).order_by(*table.primary_key.columns))
 
 

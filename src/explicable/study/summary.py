@@ -4,7 +4,7 @@ People and simulated participants are never counted together.
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -13,7 +13,17 @@ import numpy as np
 from explicable.errors import UsageError
 from explicable.labelling.annotators import krippendorff_alpha
 from explicable.study.materials import Materials
-from explicable.study.records import LabelRow, count_stages, count_steps, count_tasks, read_labels
+from explicable.study.protocol import DEPARTURES, PARTS
+from explicable.study.records import (
+    LabelRow,
+    completion_codes,
+    count_departures,
+    count_stages,
+    count_steps,
+    count_tasks,
+    read_checks,
+    read_labels,
+)
 from explicable.study.transaction import Transaction
 
 NUM_RESAMPLES = 1000
@@ -82,6 +92,51 @@ class PlanScore:
 
 
 @dataclass(frozen=True, slots=True)
+class PartCount:
+    """How many have come to one part of the session, and what became of them there.
+
+    Attributes
+    ----------
+    reached
+        Who is there, has got further, or has ended there or later.
+    there
+        Who is there now.
+    left, timed_out, excluded
+        Who left from there, was silent there for too long, or misunderstood the instructions too often.
+    """
+
+    part: str
+    reached: int
+    there: int
+    left: int
+    timed_out: int
+    excluded: int
+
+
+@dataclass(frozen=True, slots=True)
+class PersonQuality:
+    """What one participant's answers are like: to find careless ones, and to pay the others.
+
+    Attributes
+    ----------
+    code
+        The completion code; None for who has not got to the end.
+    median_latency_s
+        Of the labels, by the participant's own clock; None where it told nothing.
+    checks_right, num_checks
+        Attention checks answered, and answered as they asked.
+    """
+
+    participant: str
+    code: str | None
+    num_labels: int
+    share_explicable: float
+    median_latency_s: float | None
+    checks_right: int
+    num_checks: int
+
+
+@dataclass(frozen=True, slots=True)
 class Summary:
     """What the participants of one origin have done.
 
@@ -89,6 +144,8 @@ class Summary:
     ----------
     stages
         Sessions by the stage in which they are.
+    dropout
+        For each part of the session, who got there and who did not get further.
     num_labels
         All labels, those of practice left out.
     agreement
@@ -96,18 +153,19 @@ class Summary:
     median_latency_s
         Of the labels, by the participants' own clocks.
     quality
-        For each participant: labels, share of explicable ones, median latency; to find careless ones.
+        Of each participant who has labelled anything.
     """
 
     origin: str
     stages: dict[str, int]
+    dropout: tuple[PartCount, ...]
     tasks: tuple[TaskCount, ...]
     num_labels: int
     scores: tuple[SourceScore, ...]
     plans: tuple[PlanScore, ...]
     agreement: float | None
     median_latency_s: float | None
-    quality: tuple[dict[str, Any], ...]
+    quality: tuple[PersonQuality, ...]
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as values that JSON has."""
@@ -124,18 +182,45 @@ def summarise(tx: Transaction, materials: Materials, origin: str) -> Summary:
     for source, label in scored:
         by_source["play" if label.kind == "play" else source].append(label)
     latencies = [label.latency_s for label in labels if label.latency_s is not None]
-    rng = np.random.default_rng(materials.study.seed)
+    rng, stages = np.random.default_rng(materials.study.seed), count_stages(tx, origin)
     return Summary(
         origin=origin,
-        stages=count_stages(tx, origin),
+        stages=stages,
+        dropout=tuple(count_parts(stages, count_departures(tx, origin))),
         tasks=tuple(_task_counts(tx, materials, origin)),
         num_labels=len(labels),
         scores=tuple(_score(source, rows, rng) for source, rows in sorted(by_source.items())),
         plans=tuple(_plan_scores(tx, materials, origin, labels)),
         agreement=_agreement(labels),
         median_latency_s=float(np.median(latencies)) if latencies else None,
-        quality=tuple(_quality(labels)),
+        quality=tuple(_quality(tx, materials, origin, labels)),
     )
+
+
+def count_parts(stages: Mapping[str, int], departures: Mapping[tuple[str, str], int]) -> list[PartCount]:
+    """Count for each part of the session who got there, and who did not get further.
+
+    Parameters
+    ----------
+    stages
+        Sessions by the stage in which they are.
+    departures
+        Who ended before the end, by the stage and the event.
+
+    Examples
+    --------
+    >>> tasks = count_parts({"tasks": 2, "debrief": 3, "returned": 1}, {("tasks", "left"): 1})[3]
+    >>> tasks.reached, tasks.there, tasks.left
+    (6, 2, 1)
+    """
+    counts: list[PartCount] = []
+    reached = 0
+    for part in reversed(PARTS):
+        there = stages.get(part, 0)
+        left, timed_out, excluded = (departures.get((part, event), 0) for event in DEPARTURES)
+        reached += there + left + timed_out + excluded
+        counts.append(PartCount(part.value, reached, there, left, timed_out, excluded))
+    return counts[::-1]
 
 
 def _task_counts(tx: Transaction, materials: Materials, origin: str) -> list[TaskCount]:
@@ -208,19 +293,27 @@ def _agreement(labels: Sequence[LabelRow]) -> float | None:
         return None
 
 
-def _quality(labels: Sequence[LabelRow]) -> list[dict[str, Any]]:
+def _quality(
+    tx: Transaction, materials: Materials, origin: str, labels: Sequence[LabelRow]
+) -> Iterator[PersonQuality]:
     by_person: dict[str, list[LabelRow]] = defaultdict(list)
     for label in labels:
         by_person[label.participant].append(label)
-    return [
-        {
-            "participant": person,
-            "num_labels": len(rows),
-            "share_explicable": sum(row.explicable for row in rows) / len(rows),
-            "median_latency_s": _median([row.latency_s for row in rows]),
-        }
-        for person, rows in sorted(by_person.items())
-    ]
+    wanted = {f"check-{n}": check.answer for n, check in enumerate(materials.study.check, start=1)}
+    checks: dict[str, list[bool]] = defaultdict(list)
+    for answer in read_checks(tx, origin):
+        checks[answer.participant].append(answer.value == wanted.get(answer.name))
+    codes = completion_codes(tx, origin)
+    for person, rows in sorted(by_person.items()):
+        yield PersonQuality(
+            participant=person,
+            code=codes.get(person),
+            num_labels=len(rows),
+            share_explicable=sum(row.explicable for row in rows) / len(rows),
+            median_latency_s=_median([row.latency_s for row in rows]),
+            checks_right=sum(checks[person]),
+            num_checks=len(checks[person]),
+        )
 
 
 def _median(values: Sequence[float | None]) -> float | None:
