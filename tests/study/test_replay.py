@@ -11,8 +11,7 @@ from studies import Visitor, open_study, write_study
 from explicable.cli import run
 from explicable.errors import InputError
 from explicable.model.plan import read_plan
-from explicable.study.config import resolve
-from explicable.study.materials import read_materials
+from explicable.study.materials import read_materials, resolve
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TASK = """
@@ -62,6 +61,39 @@ def test_every_robot_step_of_a_plan_is_asked_about_once(tmp_path, example, ask):
     taken = [view for view in views if view["number"] and view["stage"] == "tasks"]
     assert all(view["sentence"].endswith(".") for view in taken)
     assert all(view["became_true"] or view["became_false"] for view in taken)
+
+
+PRACTICE = """
+[practice]
+domain = "domain.pddl"
+problem = "problem.pddl"
+human_domain = "human-domain.pddl"
+human_problem = "human-problem.pddl"
+plan = "plan.txt"
+picture = "places"
+"""
+
+
+def test_a_study_of_another_domain_has_no_map_anywhere(tmp_path):
+    folder = example_study(tmp_path, "warehouse", 'picture = "places"')
+    text = (folder / "study.toml").read_text().replace('practice = "practice.map"\n', "")
+    (folder / "study.toml").write_text(text + PRACTICE)
+    client, _, _ = open_study(folder)
+    with client:
+        visitor = Visitor(client)
+        visitor.arrive()
+        instructions = visitor.consent().text
+        assert "Sometimes you only watch" in instructions
+        assert "You say which room" not in instructions
+        assert "What the pictures mean" not in instructions  # that is the key of maps
+        visitor.submit()
+        practised = visitor.play()
+        assert all(view["is_replay"] for view in practised[:-1])
+        visitor.submit(**{"question-1": "before"})
+        visitor.play()
+        assert visitor.heading == "Your opinion"
+    assert run(["study", "simulate", str(folder), "-n", "1"]) == 0
+    assert run(["study", "export", str(folder), "-o", str(tmp_path / "data")]) == 0
 
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -121,7 +121,8 @@ def _handle_errors(app: FastAPI, server: Server) -> None:
         if error.status_code == 303 and error.headers:
             return RedirectResponse(error.headers["Location"], 303)
         if not request.url.path.startswith(("/api/", "/admin/maps/")):
-            return server.pages.problem(str(error.detail), error.status_code)
+            detail = "there is no such page" if error.status_code == 404 else str(error.detail)
+            return server.pages.problem(detail, error.status_code)
         return JSONResponse(Problem(error=str(error.detail)).model_dump(), error.status_code)
 
 

@@ -72,12 +72,16 @@ class Wording:
         --------
         >>> Wording(Domain("d", frozenset(), {}, {}, (), (), ())).fact(("on-table", "cup"))
         'on table: cup'
+        >>> Wording(Domain("d", frozenset(), {}, {}, (), (), ())).fact(("holding", "arm", "cup"))
+        'arm holding cup'
         """
         template = self.facts.get(atom[0])
         if template is None:
             words = atom[0].replace("-", " ").replace("_", " ")
-            arguments = ", ".join(self._name(name) for name in atom[1:])
-            return f"{words}: {arguments}" if arguments else words
+            arguments = [self._name(name) for name in atom[1:]]
+            if len(arguments) == 2:  # (at cart dock), (holding arm cup): as most domains mean it
+                return f"{arguments[0]} {words} {arguments[1]}"
+            return f"{words}: {', '.join(arguments)}" if arguments else words
         return self._filled(template, atom, "facts", "")
 
     def _filled(self, template: str, atom: GroundAtom, kind: str, agent: str) -> str:
