@@ -1,7 +1,10 @@
 """Photograph every page of the study, at two widths: part of `make pictures`. Needs Debian's Chromium."""
 
+import re
 import shutil
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from playwright.sync_api import Browser, Page, sync_playwright
@@ -28,7 +31,14 @@ plan = "plan.txt"
 picture = "places"
 """
 WIDTHS = {"wide": (1100, 760), "narrow": (360, 740)}
+SCHEMES = {"wide": "light", "narrow": "dark"}
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"]
+
+
+def open_page(browser: Browser, width: str, scheme: str) -> Page:
+    """Open a page of its own, with no cookies."""
+    sizes = {"width": WIDTHS[width][0], "height": WIDTHS[width][1]}
+    return browser.new_page(viewport=sizes, color_scheme=scheme, reduced_motion="reduce")  # type: ignore[arg-type]
 
 
 def photograph(page: Page, name: str) -> None:
@@ -62,10 +72,9 @@ def play(page: Page, width: str, name: str) -> None:
             until(page, "view.phase !== 'waiting'")
 
 
-def visit(browser: Browser, link: str, password: str, width: str, scheme: str) -> None:
+def visit(browser: Browser, link: str, width: str, scheme: str) -> None:
     """Walk through a whole session."""
-    sizes = {"width": WIDTHS[width][0], "height": WIDTHS[width][1]}
-    page = browser.new_page(viewport=sizes, color_scheme=scheme, reduced_motion="reduce")  # type: ignore[arg-type]
+    page = open_page(browser, width, scheme)
     page.goto(link)
     photograph(page, f"consent-{width}")
     page.click("button[value=yes]")
@@ -84,16 +93,34 @@ def visit(browser: Browser, link: str, password: str, width: str, scheme: str) -
         page.check(f"input[name=rating-{rating}][value='7']")
     page.click("main button")
     photograph(page, f"debrief-{width}")
+    page.goto(f"{link}nowhere")
+    photograph(page, f"error-{width}")
+    page.close()
+
+
+def visit_researcher(browser: Browser, link: str, password: str, width: str, scheme: str) -> None:
+    """Walk through the researcher's pages."""
+    page = open_page(browser, width, scheme)
     page.goto(f"{link}admin")
     photograph(page, f"login-{width}")
     page.fill("input[type=password]", password)
     page.click("main button")
     page.wait_for_selector("table")
     photograph(page, f"researcher-{width}")
+    page.goto(f"{link}admin?origin=simulated")
+    photograph(page, f"researcher-simulated-{width}")
     page.goto(f"{link}admin/maps?from=training-02")
     page.wait_for_selector("#robot svg")
     photograph(page, f"editor-{width}")
     page.close()
+
+
+@contextmanager
+def serving(folder: Path) -> Iterator[tuple[str, str]]:
+    """Serve a study while the block runs; yields its link and the researcher's password."""
+    server = Server(folder, port=0, renews_password=True, trusts_floods=True)
+    with server.in_background() as link:
+        yield link, server.announcement.new_password or ""
 
 
 def make_replay(folder: Path) -> None:
@@ -113,8 +140,7 @@ def make_replay(folder: Path) -> None:
 
 def visit_replay(browser: Browser, link: str, width: str, scheme: str) -> None:
     """Photograph the preview, a replay, and how a visit ends early."""
-    sizes = {"width": WIDTHS[width][0], "height": WIDTHS[width][1]}
-    page = browser.new_page(viewport=sizes, color_scheme=scheme, reduced_motion="reduce")  # type: ignore[arg-type]
+    page = open_page(browser, width, scheme)
     page.goto(f"{link}?assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=H")
     photograph(page, f"preview-{width}")
     page.goto(link)
@@ -137,30 +163,88 @@ def visit_replay(browser: Browser, link: str, width: str, scheme: str) -> None:
     page.close()
 
 
+def visit_german(browser: Browser, link: str, width: str, scheme: str) -> None:
+    """Photograph the second language."""
+    page = open_page(browser, width, scheme)
+    page.goto(link)
+    page.click("button[value=yes]")
+    photograph(page, f"german-instructions-{width}")
+    page.click("main button")
+    play(page, width, "german-practice")
+    page.close()
+
+
+def visit_ends(browser: Browser, link: str, width: str, scheme: str) -> None:
+    """Photograph how a visit ends where somebody misunderstands, comes again, or comes too late."""
+
+    def arrive(person: str, visit: str) -> Page:
+        page = open_page(browser, width, scheme)
+        page.goto(f"{link}?PROLIFIC_PID={person}-{width}&STUDY_ID=s1&SESSION_ID={visit}")
+        page.click("button[value=yes]")
+        page.wait_for_load_state()
+        return page
+
+    page = arrive("p1", "v1")
+    page.click("main button")
+    play(page, width, "")
+    page.click("#finished a")
+    for wrong in ("the building as it is now", "to leave the building"):
+        page.get_by_text(wrong).click()
+    page.click("main button")
+    photograph(page, f"excluded-{width}")
+    page.close()
+    page = arrive("p1", "v2")
+    photograph(page, f"repeated-{width}")
+    page.close()
+    staying = arrive("p2", "v3")
+    page = arrive("p3", "v4")
+    photograph(page, f"full-{width}")
+    page.close()
+    staying.click("summary")
+    staying.click("button[value=leave]")
+    staying.close()
+
+
+def change(folder: Path, **values: str) -> None:
+    """Give keys of a new study other values."""
+    file = folder / "study.toml"
+    text = file.read_text()
+    for key, value in values.items():
+        text = re.sub(rf"^{key} = [^#\n]*", f"{key} = {value} ", text, flags=re.MULTILINE)
+    file.write_text(text)
+
+
+def make_studies(home: Path) -> dict[str, Path]:
+    """Write a study as `init` does, one of replays, one with a single place, and one in German."""
+    whole, small, german = home / "whole", home / "small", home / "german"
+    make_folder(whole)
+    change(whole, tasks_each="1", step_s="0.0")
+    if run(["study", "simulate", str(whole), "-n", "5", "--family", "mission"]):
+        raise SystemExit("simulated participants can't take part")
+    make_replay(home / "replay")
+    make_folder(small)
+    change(small, tasks_each="8", step_s="0.0", people="1", max_attempts="1", platform='"prolific"')
+    make_folder(german, language="de")
+    change(german, step_s="0.0")
+    return {"whole": whole, "replay": home / "replay", "small": small, "german": german}
+
+
 def main() -> None:
-    """Serve a study as `init` writes it, and one of replays, and walk through them."""
+    """Serve some studies and walk through them."""
     IMAGES.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as name, sync_playwright() as playwright:
-        folder = Path(name)
-        make_folder(folder)
-        file = folder / "study.toml"
-        text = (
-            file.read_text()
-            .replace("tasks_each = 4", "tasks_each = 1")
-            .replace("step_s = 1.0", "step_s = 0.0")
-        )
-        file.write_text(text)
-        server = Server(folder, port=0)
-        password = server.announcement.new_password or ""
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-        with server.in_background() as link:
-            visit(browser, link, password, "wide", "light")
-            visit(browser, link, password, "narrow", "dark")
-        make_replay(folder / "replay")
-        with Server(folder / "replay", port=0).in_background() as link:
-            visit_replay(browser, link, "wide", "light")
-            visit_replay(browser, link, "narrow", "dark")
-        browser.close()
+    with tempfile.TemporaryDirectory() as home:
+        studies = make_studies(Path(home))
+        with sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+            walks = {"whole": visit, "replay": visit_replay, "small": visit_ends, "german": visit_german}
+            for name, walk in walks.items():
+                with serving(studies[name]) as (link, password):
+                    for width, scheme in SCHEMES.items():
+                        walk(browser, link, width, scheme)
+                    if name == "whole":  # when there is something to see
+                        for width, scheme in SCHEMES.items():
+                            visit_researcher(browser, link, password, width, scheme)
+            browser.close()
 
 
 main()
