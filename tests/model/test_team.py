@@ -2,10 +2,10 @@
 
 import pytest
 
-from explicable.errors import ConflictError
+from explicable.errors import ConflictError, PDDLError
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem, find_conflicts
-from explicable.pddl import read_team_problem
+from explicable.pddl import parse_domain, parse_problem, read_pair, read_team_problem
 from explicable.planning import compare
 
 DOMAIN = """(define (domain kitchen)
@@ -143,3 +143,31 @@ def test_one_model_does_not_differ_from_itself(read):
     for same in (team, TeamProblem(team.robot)):
         found = compare(same)
         assert (found.tellable, found.names, found.goals, found.human_actions) == ((), (), (), ())
+
+
+ANDROID = "robot human - object android - (either robot human)"
+
+
+@pytest.mark.parametrize(
+    ("types", "objects"),
+    [("robot human", "marvin - (either robot human)"), (ANDROID, "sink - place marvin - android")],
+)
+def test_an_object_that_is_robot_and_human_is_refused_by_name_and_place(tmp_path, types, objects):
+    domain, problem = tmp_path / "d.pddl", tmp_path / "p.pddl"
+    domain.write_text(WORDS.replace("robot human place", f"{types} place"))
+    problem.write_text(EMPTY.replace("sink - place", objects))
+    column = problem.read_text().index("marvin") + 1
+    for believed in (None, problem):
+        with pytest.raises(PDDLError) as caught:
+            read_team_problem(domain, problem, human_problem=believed)
+        message = "object 'marvin' is both a robot and a human: an agent is either"
+        assert str(caught.value) == f"{problem}:1:{column}: {message}"
+    with pytest.raises(PDDLError, match="'marvin' is both"):
+        _ = TeamProblem(read_pair(domain, problem)).agents
+
+
+def test_robots_act_by_their_own_model_in_actions_that_are_open_to_humans_too():
+    text = WORDS.replace("?a - robot", "?a - (either robot human)")
+    own, believed = (parse_problem(EMPTY, parse_domain(each)) for each in (text, text.replace("and", "lit")))
+    assert own.domain.actions != believed.domain.actions
+    assert TeamProblem(own, believed).composite.domain.actions == own.domain.actions

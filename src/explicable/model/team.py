@@ -66,7 +66,15 @@ class TeamProblem:
 
     @cached_property
     def agents(self) -> tuple[Agent, ...]:
-        """The team's members in the order of declaration; a lone default robot where no object is a robot."""
+        """The team's members in the order of declaration; a lone default robot where no object is a robot.
+
+        Raises
+        ------
+        PDDLError
+            If an object is both a robot and a human.
+        """
+        if undecided := find_undecided(self.composite):
+            raise PDDLError(explain_undecided(undecided[0]))
         domain = self.composite.domain
         agents = []
         for name, types in {**domain.constants, **self.composite.objects}.items():
@@ -104,11 +112,30 @@ def agent_kind(domain: Domain, types: Iterable[str]) -> Literal["robot", "human"
     return "robot" if "robot" in above else None
 
 
+def find_undecided(problem: Problem) -> tuple[str, ...]:
+    """List the objects that are robots and humans at once, so that nobody can say who acts.
+
+    Examples
+    --------
+    >>> from explicable.model.problem import TRUE
+    >>> domain = Domain("d", frozenset(), {"robot": ("object",), "human": ("object",)}, {}, (), (), ())
+    >>> find_undecided(Problem("p", domain, {"r": ("robot",), "x": ("robot", "human")}, (), TRUE, {}))
+    ('x',)
+    """
+    objects = {**problem.domain.constants, **problem.objects}
+    both = {"robot", "human"}
+    return tuple(name for name, types in objects.items() if both <= supertypes(problem.domain, types))
+
+
+def explain_undecided(name: str) -> str:
+    """Say what is wrong with such an object."""
+    return f"object {name!r} is both a robot and a human: an agent is either"
+
+
 def schema_kind(domain: Domain, schema: ActionSchema) -> Literal["robot", "human"]:
-    """Who owns an action schema, by the type of its first parameter."""
-    if schema.parameters and agent_kind(domain, schema.parameters[0].types) == "human":
-        return "human"
-    return "robot"
+    """Who owns an action schema, by the type of its first parameter; robots if it is open to both."""
+    kinds = {agent_kind(domain, [name]) for parameter in schema.parameters[:1] for name in parameter.types}
+    return "human" if kinds == {"human"} else "robot"
 
 
 @dataclass(frozen=True, slots=True)

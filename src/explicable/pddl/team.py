@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from explicable.errors import ConflictError, PDDLError
-from explicable.model.team import Conflict, TeamProblem, find_conflicts
+from explicable.model.team import Conflict, TeamProblem, explain_undecided, find_conflicts, find_undecided
 from explicable.pddl.parser import read_pair
 from explicable.pddl.places import find_declaration
 from explicable.pddl.source import Warn
@@ -42,13 +42,23 @@ def read_team_problem(
     explicable.errors.PDDLError: missing.pddl: can't be read: No such file or directory
     """
     robot = read_pair(domain, problem, warn=warn)
-    if human_domain is None and human_problem is None:
-        return TeamProblem(robot)
-    human = read_pair(human_domain or domain, human_problem or problem, warn=warn)
-    if conflicts := find_conflicts(robot, human):
-        own, theirs = (problem, domain), (human_problem or problem, human_domain or domain)
-        raise ConflictError([_placed(conflict, own, theirs) for conflict in conflicts])
-    return TeamProblem(robot, human)
+    own, theirs = (problem, domain), (human_problem or problem, human_domain or domain)
+    human = None
+    if human_domain is not None or human_problem is not None:
+        human = read_pair(theirs[1], theirs[0], warn=warn)
+        if conflicts := find_conflicts(robot, human):
+            raise ConflictError([_placed(conflict, own, theirs) for conflict in conflicts])
+    team = TeamProblem(robot, human)
+    for name in find_undecided(team.composite):
+        raise _at_declaration(name, (*theirs, *own))
+    return team
+
+
+def _at_declaration(name: str, paths: Sequence[str | Path]) -> PDDLError:
+    """Say where an object is declared that is both a robot and a human."""
+    places = ((path, find_declaration(path, "object", name)) for path in paths)
+    path, place = next((path, place) for path, place in places if place is not None)
+    return PDDLError(explain_undecided(name), path=path, line=place[0], column=place[1])
 
 
 def _placed(conflict: Conflict, own: Sequence[str | Path], theirs: Sequence[str | Path]) -> PDDLError:
