@@ -116,10 +116,9 @@ class Course(Position):
         self._take(notice.action)
 
     def _take(self, action: GroundAtom) -> None:
-        operator = self.truth.operator(self.state, action)
-        if operator is None:
+        after = self.truth.after(self.state, action)
+        if after is None:
             raise PlanError(f"{format_action(action)} can't be executed there")
-        after = self.truth.task.successor(self.state, operator)
         self.mind = minds.watch(self.setting, self.mind, action, self.state, after)
         self.state = after
         self.steps.append(LabelledStep(self.setting.problem.agent_of(action).name, action, time=self._time_s))

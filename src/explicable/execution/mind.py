@@ -116,24 +116,24 @@ def watch(setting: Setting, mind: Mind, action: GroundAtom, before: State, after
     effects.
     """
     belief, state = setting.belief, mind.state
-    operator = belief.operator(state, action)
-    if operator is None:
+    believed = belief.after(state, action)
+    if believed is None:
         state = _concede(setting, state, action, before)
-        operator = belief.operator(state, action)
-    if operator is not None:
-        state = belief.task.successor(state, operator)
-    if operator is None or not setting.same_schemas:
-        state = _take_in(setting, state, before, after)
+        believed = belief.after(state, action)
+    if believed is None or not setting.same_schemas:
+        believed = _take_in(setting, state if believed is None else believed, before, after)
     asked = belief.requests.get(action)
-    fulfilled = any(action in request.fulfilled_by for request in mind.requests)
     requests = [request for request in mind.requests if action not in request.fulfilled_by]
+    fulfilled = len(requests) < len(mind.requests)
+    tried = frozenset() if fulfilled else mind.tried
     if asked is not None:
+        tried = tried if fulfilled else tried | {action}
         requests = [*(request for request in requests if request != asked), asked]
-    return replace(
-        mind,
-        state=state,
-        requests=tuple(request for request in requests if belief.stands(state, request)),
-        tried=frozenset() if fulfilled else mind.tried | ({action} if asked else frozenset()),
+    return Mind(
+        believed,
+        tuple([request for request in requests if belief.stands(believed, request)]),
+        tried,
+        mind.inferred,
     )
 
 

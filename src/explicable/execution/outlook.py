@@ -1,7 +1,7 @@
 """What can be expected of a state: exact costs of fulfilling requests and of finishing the mission."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple
 
 from explicable.errors import ResourceError
@@ -31,7 +31,9 @@ class Outlook:
     """Costs-to-go on one stage, each computed by A* once and remembered with the whole way found.
 
     Every state on an optimal way has its own optimal rest, so one search answers for all of them; an episode
-    that keeps to the ways expected hardly ever searches.
+    that keeps to the ways expected hardly ever searches. What follows from a state (where a step leads, what
+    can be asked for and at what cost) is remembered too: the course of a game, its robots and all who watch
+    ask the same of it, and so do the next games.
 
     Attributes
     ----------
@@ -46,6 +48,10 @@ class Outlook:
         self.requests = find_requests(problem, stage.task)
         self._known: dict[tuple[State, Goal], tuple[float, int]] = {}
         self._operators: dict[GroundAtom, tuple[int, ...]] = {}  # of the actions asked about
+        self._permits: dict[frozenset[GroundAtom], tuple[bool, list[Goal]]] = {}
+        self._after: dict[tuple[State, GroundAtom], State | None] = {}
+        self._ranked: dict[State, tuple[tuple[float, int], ...]] = {}
+        self._fulfilments: dict[tuple[State, GroundAtom], tuple[float, int, Goal]] = {}
         self._ends = {action: self._ends_of(request) for action, request in self.requests.items()}
         self._asks = [
             (operator, self.requests[action])
@@ -55,29 +61,61 @@ class Outlook:
 
     def operator(self, state: State, action: GroundAtom) -> int | None:
         """Return the operator by which an action can be executed here, if it can."""
-        operators = self._operators.get(action)
-        if operators is None:
-            operators = self._operators[action] = self.task.operators_of(action)
         is_applicable = self.task.core.is_applicable
-        for operator in operators:
+        for operator in self._operators_of(action):
             if is_applicable(state, operator):
                 return operator
         return None
 
+    def _operators_of(self, action: GroundAtom) -> tuple[int, ...]:
+        operators = self._operators.get(action, ())
+        if not operators and (operators := self.task.operators_of(action)):
+            self._operators[action] = operators  # what is no action is not kept: anybody may ask anything
+        return operators
+
+    def after(self, state: State, action: GroundAtom) -> State | None:
+        """Return the state after an action; None if it can't be executed here."""
+        key = state, action
+        try:
+            return self._after[key]
+        except KeyError:
+            operator = self.operator(state, action)
+            after = None if operator is None else self.task.successor(state, operator)
+            if action in self._operators:
+                self._after[key] = after
+            return after
+
     def follow(self, state: State, actions: Iterable[GroundAtom]) -> State | None:
         """Return the state after some actions; None if one of them can't be executed."""
         for action in actions:
-            operator = self.operator(state, action)
-            if operator is None:
+            after = self.after(state, action)
+            if after is None:
                 return None
-            state = self.task.successor(state, operator)
+            state = after
         return state
 
     def stands(self, state: State, request: Request) -> bool:
         """Tell whether a request has not been withdrawn."""
-        return any(self.task.holds(atom, state) for atom in request.permits)
+        permits = self._permits.get(request.permits)
+        if permits is None:
+            permits = self._permits[request.permits] = self._permits_of(request)
+        always, facts = permits
+        holds = self.task.core.holds
+        return always or any([holds(state, fact) for fact in facts])
 
-    def ranked_asks(self, state: State) -> list[tuple[float, int]]:
+    def _permits_of(self, request: Request) -> tuple[bool, list[Goal]]:
+        """Return whether one of a request's permits always holds, and those that may change."""
+        task = self.task
+        changing: list[Goal] = []
+        for atom in request.permits:
+            fact = task.fact_number(atom)
+            if fact is not None:
+                changing.append((fact,))
+            elif task.holds(atom, task.initial_state):
+                return True, []
+        return False, changing
+
+    def ranked_asks(self, state: State) -> tuple[tuple[float, int], ...]:
         """Rank the human operators that are applicable and ask for something the goal still lacks.
 
         A request brings the goal nearer if what fulfils it achieves one of its lacking parts, or lets the
@@ -85,18 +123,22 @@ class Outlook:
 
         Returns
         -------
-        list of (cost, operator)
+        tuple of (cost, operator)
             What asking and fulfilling cost together, cheapest first.
         """
+        ranked = self._ranked.get(state)
+        if ranked is None:
+            ranked = self._ranked[state] = tuple(sorted(self._asks_nearer(state)))
+        return ranked
+
+    def _asks_nearer(self, state: State) -> Iterator[tuple[float, int]]:
         task = self.task
         lacking = frozenset(fact for fact in task.goal if not task.core.holds(state, [fact]))
-        ranked = []
         for operator, request in self._asks:
             if task.is_applicable(state, operator):
                 asked = task.successor(state, operator)
                 if self._brings_nearer(request, state, asked, lacking):
-                    ranked.append((task.cost(operator) + self.fulfilment_cost(asked, request), operator))
-        return sorted(ranked)
+                    yield task.cost(operator) + self.fulfilment_cost(asked, request), operator
 
     def _brings_nearer(self, request: Request, state: State, asked: State, lacking: frozenset[int]) -> bool:
         """Tell whether a request serves any of the goals still lacking."""
@@ -139,10 +181,14 @@ class Outlook:
 
     def _fulfilment(self, state: State, request: Request) -> tuple[float, int, Goal]:
         """Return the cost of a best way, the operator at its end, and what that one needs."""
-        alone = self.stage.robots_alone(state)
-        ends = self._ends.get(request.action, ())  # another model's request may be beyond this one
-        ways = ((self._cost(alone, end.needs) + end.cost, end.operator, end.needs) for end in ends)
-        return min(ways, default=(math.inf, _NONE, ()))
+        key = state, request.action
+        found = self._fulfilments.get(key)
+        if found is None:
+            alone = self.stage.robots_alone(state)
+            ends = self._ends.get(request.action, ())  # another model's request may be beyond this one
+            ways = ((self._cost(alone, end.needs) + end.cost, end.operator, end.needs) for end in ends)
+            found = self._fulfilments[key] = min(ways, default=(math.inf, _NONE, ()))
+        return found
 
     def _ends_of(self, request: Request) -> tuple["_End", ...]:
         task, core = self.task, self.task.core

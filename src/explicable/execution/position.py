@@ -106,7 +106,7 @@ class Position:
 
     def allows(self, action: GroundAtom) -> bool:
         """Whether a step is possible now, by an agent that is not lost."""
-        return self.truth.operator(self.state, action) is not None and not self._needs_lost((action,))
+        return self.truth.after(self.state, action) is not None and not self._needs_lost((action,))
 
     def is_human(self, action: GroundAtom) -> bool:
         """Whether a step is a person's."""

@@ -84,7 +84,7 @@ class Task:
             return ()
         return (
             self.problem.domain.actions[schema].name,
-            *(self.objects[argument] for argument in self.core.operator_arguments(operator)),
+            *[self.objects[argument] for argument in self.core.operator_arguments(operator)],
         )
 
     def fact(self, fact: int) -> GroundAtom:
