@@ -45,14 +45,15 @@ class OraclePlanner:
         if mind.request is not None:
             return self._best_way(state, mind, mind.request)
         asked = minds.choose(self.setting, self.person.participant, mind, copy.deepcopy(self.person.rng))
-        if asked is not None and truth.operator(state, asked) is not None:
+        if asked is not None and truth.after(state, asked) is not None:
             return (asked,)
         way = truth.mission_way(state)
         return (truth.task.action(way[0]),) if way else None
 
     def _best_way(self, state: State, mind: Mind, request: Request) -> tuple[GroundAtom, ...] | None:
         """Dijkstra's algorithm over the true states; the mind goes along the best way to each."""
-        task, agent_of = self.setting.truth.task, self.setting.problem.agent_of
+        setting, participant = self.setting, self.person.participant
+        truth = setting.truth
         numbers = itertools.count()
         queue: list[tuple[float, int, State, Mind, tuple[GroundAtom, ...]]] = [
             (0.0, next(numbers), state, mind, ())
@@ -65,22 +66,17 @@ class OraclePlanner:
             if here in closed:
                 continue
             closed.add(here)
-            for operator in task.applicable(here):
-                action = task.action(operator)
-                if " " in action[0] or agent_of(action).kind == "human":
-                    continue
-                after, then = self._after(here, seen, action)
+            for action, cost, after in truth.robot_steps(here):
                 if after not in closed:
-                    held = minds.regret(self.setting.belief, self.person.participant, seen, action)
-                    against = self.alpha * (1.0 - minds.acceptance(self.person.participant, held))
-                    step = task.cost(operator) + against
-                    heapq.heappush(queue, (price + step, next(numbers), after, then, (*way, action)))
+                    held = minds.regret(setting.belief, participant, seen, action)
+                    against = self.alpha * (1.0 - minds.acceptance(participant, held))
+                    then = minds.watch(setting, seen, action, here, after)
+                    entry = price + cost + against, next(numbers), after, then, (*way, action)
+                    heapq.heappush(queue, entry)
         return None
 
     def _after(self, state: State, mind: Mind, action: GroundAtom) -> tuple[State, Mind]:
-        truth = self.setting.truth
-        operator = truth.operator(state, action)
-        if operator is None:
+        after = self.setting.truth.after(state, action)
+        if after is None:
             raise AssertionError(f"{action} is not possible there")
-        after = truth.task.successor(state, operator)
         return after, minds.watch(self.setting, mind, action, state, after)

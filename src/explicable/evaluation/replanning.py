@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, Protocol
+from typing import Literal, Protocol, TypeVar
 
 from explicable.execution import Course, PersonFilter, Proposal, Situation, adapt, num_changes
 from explicable.execution.monitor import Event
@@ -23,13 +23,17 @@ from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
 from explicable.model.problem import GroundAtom
 from explicable.model.requests import find_requests
-from explicable.model.task import Execution
+from explicable.model.task import Execution, State
 from explicable.model.team import TeamProblem
 from explicable.planning import HumanModel
 from explicable.search import Outcome, SearchResult, search
 
 _NUM_PREDICTIONS = 4
 """Next requests for which plans are tried."""
+_MAX_REMEMBERED = 10_000
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 
 
 class Foresight(Protocol):
@@ -165,7 +169,10 @@ class ExplicablePlanner:
     def _search(
         self, game: "_LabelledGame", algorithm: Literal["default", "anytime"] = "default"
     ) -> SearchResult:
-        return search(
+        key = algorithm, game.state, game.context
+        if key in game.searched:
+            return game.searched[key]
+        result = search(
             game.task,
             algorithm,
             scorer=game.scorer.starting_at(game.context),
@@ -174,6 +181,9 @@ class ExplicablePlanner:
             max_evaluations=self.max_evaluations if algorithm == "anytime" else None,
             time_limit_s=self.improve_s if algorithm == "anytime" else None,
         )
+        if result.outcome is Outcome.SOLVED:
+            _remember(game.searched, key, result)
+        return result
 
 
 class LearningPlanner:
@@ -219,14 +229,26 @@ class LearningPlanner:
         return self.planner(situation)
 
 
+def _remember(known: dict[Key, Value], key: Key, value: Value) -> None:
+    """Note what was found out; a game in ten thousand situations begins to forget."""
+    if len(known) >= _MAX_REMEMBERED:
+        known.clear()
+    known[key] = value
+
+
 class _LabelledGame:
-    """A game as a labeller sees it: where it stands, and what the scorer keeps of the past."""
+    """A game as a labeller sees it: where it stands, and what the scorer keeps of the past.
+
+    What was found out from some state after some past holds in the next games on the same map, too.
+    """
 
     def __init__(self, features: TeamFeatures, labeller: Labeller) -> None:
         self.features, self.labeller = features, labeller
         self.problem, self.task = features.team.problem, features.task
         self.requests = find_requests(self.problem, self.task)
         self.scorer = labeller.scorer(features)
+        self.searched: dict[tuple[str, State, bytes], SearchResult] = {}
+        self._objectives: dict[tuple[State, bytes, Actions, float], float] = {}
         self.past: Actions = ()
         self.state = self.task.initial_state
         self.context = self.scorer.root(self.state)
@@ -250,9 +272,12 @@ class _LabelledGame:
 
     def objective(self, plan: Actions, alpha: float) -> float:
         """Return ``cost + alpha * E[inexplicable steps]``, up to what the past has settled already."""
-        execution = self.task.execute(plan, self.state)
-        count, _, _ = self.scorer.score(self._extend(execution), execution.states[-1], [])
-        return execution.cost + alpha * count
+        key = self.state, self.context, plan, alpha
+        if key not in self._objectives:
+            execution = self.task.execute(plan, self.state)
+            count, _, _ = self.scorer.score(self._extend(execution), execution.states[-1], [])
+            _remember(self._objectives, key, execution.cost + alpha * count)
+        return self._objectives[key]
 
     def actions(self, result: SearchResult) -> Actions:
         """Return the plan that a search has found."""

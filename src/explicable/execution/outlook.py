@@ -50,6 +50,7 @@ class Outlook:
         self._operators: dict[GroundAtom, tuple[int, ...]] = {}  # of the actions asked about
         self._permits: dict[frozenset[GroundAtom], tuple[bool, list[Goal]]] = {}
         self._after: dict[tuple[State, GroundAtom], State | None] = {}
+        self._robot_steps: dict[State, tuple[tuple[GroundAtom, int, State], ...]] = {}
         self._ranked: dict[State, tuple[tuple[float, int], ...]] = {}
         self._fulfilments: dict[tuple[State, GroundAtom], tuple[float, int, Goal]] = {}
         self._ends = {action: self._ends_of(request) for action, request in self.requests.items()}
@@ -85,6 +86,18 @@ class Outlook:
                 self._after[key] = after
             return after
 
+    def robot_steps(self, state: State) -> tuple[tuple[GroundAtom, int, State], ...]:
+        """Return the steps that the robots can take here, what each costs, and the state after it."""
+        steps = self._robot_steps.get(state)
+        if steps is None:
+            steps = self._robot_steps[state] = tuple(
+                (action, self.task.cost(operator), self.task.successor(state, operator))
+                for operator in self.task.applicable(state)
+                if " " not in (action := self.task.action(operator))[0]  # such are the stage's
+                and self.problem.agent_of(action).kind == "robot"
+            )
+        return steps
+
     def follow(self, state: State, actions: Iterable[GroundAtom]) -> State | None:
         """Return the state after some actions; None if one of them can't be executed."""
         for action in actions:
@@ -101,7 +114,7 @@ class Outlook:
             permits = self._permits[request.permits] = self._permits_of(request)
         always, facts = permits
         holds = self.task.core.holds
-        return always or any([holds(state, fact) for fact in facts])
+        return always or any(holds(state, fact) for fact in facts)
 
     def _permits_of(self, request: Request) -> tuple[bool, list[Goal]]:
         """Return whether one of a request's permits always holds, and those that may change."""
