@@ -115,3 +115,8 @@ def test_the_key_is_under_the_picture_or_apart():
     assert {"marked room", "breakable obstacle", "hidden obstacle"} <= set(inside) & set(apart)
     assert "inexplicable step" in apart
     assert "hidden obstacle" not in {meaning for _, meaning in key_entries("human")}
+
+
+def test_a_map_shows_itself_in_a_notebook_as_the_robot_sees_it():
+    world = World(("@x*", "..."))
+    assert world._repr_svg_() == render(world, "robot") != render(world, "human")

@@ -18,7 +18,7 @@ from explicable.first_response.glyphs import CELL
 from explicable.first_response.picture_key import draw_key
 from explicable.first_response.routes import Command, Routes, trace_routes
 from explicable.first_response.world import Cell, View, World, cell_name
-from explicable.model.drawing import Drawing
+from explicable.model.drawing import Drawing, draw
 from explicable.model.plan import JointPlan
 from explicable.model.problem import GroundAtom
 
@@ -132,6 +132,11 @@ def render(
         f"<desc>{glyphs.clean(_describe(world, view, actions, routes, names, doubted))}</desc>"
         f'<rect x="{x}" y="{y}" width="{w}" height="{h}" fill="{glyphs.PAPER}"/>{drawing}</svg>\n'
     )
+
+
+@draw.register
+def _draw_for_notebook(world: World) -> str:
+    return render(world, "robot")
 
 
 def _box(*numbers: float) -> str:

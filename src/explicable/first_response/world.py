@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from explicable.errors import MapError, UsageError
+from explicable.model.drawing import Drawn
 
 Cell = tuple[int, int]
 View = Literal["robot", "human"]
@@ -27,7 +28,7 @@ _METADATA = re.compile(r";[ \t]*([A-Za-z][\w.-]*)[ \t]*:[ \t]*([^\r\n]*)")
 
 
 @dataclass(frozen=True, slots=True)
-class World:
+class World(Drawn):
     """A floor plan as the robot knows it; hiding the hidden obstacles gives what the person believes.
 
     Parameters
@@ -105,12 +106,6 @@ class World:
             yield row, column + 1
         if row + 1 < self.height:
             yield row + 1, column
-
-    def _repr_svg_(self) -> str:
-        """Let a notebook show the map as the robot sees it."""
-        from explicable.first_response.rendering import render
-
-        return render(self, "robot")
 
     def _cells(self, character: str) -> Iterator[Cell]:
         for index, row in enumerate(self.rows):
