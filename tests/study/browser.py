@@ -4,6 +4,7 @@ import os
 import shutil
 from contextlib import contextmanager
 
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import sync_playwright
 
 from debian import alone, run
@@ -41,3 +42,10 @@ def chromium():
             yield browser
         finally:
             browser.close()
+
+
+def examine(page):
+    """Check a page by axe (WCAG 2.2 and good practice), and that nothing sticks out at its sides."""
+    found = Axe().run(page, options={"rules": {"target-size": {"enabled": True}}})
+    assert found.violations_count == 0, found.generate_report()
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), page.url
