@@ -264,3 +264,56 @@ def test_the_migrated_database_is_the_one_the_schema_describes(tmp_path):
     with engine.connect() as connection:
         assert compare_metadata(MigrationContext.configure(connection), tables.METADATA) == []
     engine.dispose()
+
+
+def test_who_was_forgotten_can_begin_anew(tmp_path):
+    folder = write_study(tmp_path)
+    client, _, _ = open_study(folder)
+    with client:
+        visitor = Visitor(client).reach_tasks()
+        visitor.move(visitor.view())
+        (participant,) = rows(folder, tables.PARTICIPANTS)
+        assert run(["study", "forget", str(folder), participant["id"], "--yes"]) == 0
+        assert visitor.send("step", number=1).status_code == 401  # on which the page loads itself again
+        visitor.page = client.get("/session")
+        assert "ticket" in visitor.page.text
+        visitor.consent()
+        assert visitor.heading == "Instructions"
+    assert [row["erased"] is None for row in rows(folder, tables.PARTICIPANTS)].count(False) == 1
+
+
+def test_nothing_of_who_was_forgotten_stays_in_the_file(tmp_path):
+    folder = write_study(tmp_path)
+    client, _, _ = open_study(folder)
+    with client:
+        visitor = Visitor(client).reach_tasks()
+        visitor.play()
+        visitor.play()
+        visitor.submit(**{"rating-robot": "7", "comment": "an unmistakable remark"})
+        (participant,) = rows(folder, tables.PARTICIPANTS)
+        assert run(["study", "forget", str(folder), participant["id"], "--yes"]) == 0
+        for path in tmp_path.glob("study.db*"):
+            assert b"unmistakable" not in path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [('name = "one"', 'name = "1"'), ("[play]", '[[condition]]\nname = "new"\n[play]')]
+)
+def test_a_study_that_was_changed_under_people_says_so(tmp_path, old, new):
+    folder = write_study(tmp_path, tasks=TASKS.partition('[[task]]\nname = "two"')[0])
+    client, url, _ = open_study(folder)
+    with client:
+        Visitor(client).reach_tasks()
+        cookies = dict(client.cookies)
+    file = folder / "study.toml"
+    file.write_text(file.read_text().replace(old, new))
+    client, _, _ = open_study(folder, url=url)
+    client.cookies.update(cookies)
+    with client:
+        page, view = client.get("/session"), client.get("/api/view")
+        assert page.status_code == view.status_code == 409
+        assert "The study has changed" in page.text
+        visitor = Visitor(client)
+        client.cookies.update(cookies)
+        assert run(["study", "status", str(folder)]) == 0
+        assert visitor.arrive().status_code == 409

@@ -239,6 +239,7 @@ def forget(folder: Path, participant: str, database: str | None, yes: bool, as_j
         if not yes:
             click.confirm(f"Erase everything that {participant} left?", abort=True)
         rows = opened.store.write(lambda tx: erase(tx, participant, time.time()))
+        opened.store.scrub()
     told = json.dumps({"participant": participant, "rows_erased": rows})
     click.echo(told if as_json else f"{participant}: {rows} rows erased")
     return 0

@@ -177,7 +177,12 @@ def _page_routes(server: Server) -> APIRouter:
         session = keys.read("session", request.cookies.get(SESSION_COOKIE))
         if not isinstance(session, str):
             return RedirectResponse("/", 303)
-        standing, recruit = await server.read(lambda tx: server.conduct.standing_and_recruit(tx, session))
+        try:
+            standing, recruit = await server.read(lambda tx: server.conduct.standing_and_recruit(tx, session))
+        except UnknownSessionError:  # forgotten, or of another study that was served here
+            response = RedirectResponse("/", 303)
+            response.delete_cookie(SESSION_COOKIE)
+            return response
         return pages.session(standing, recruit)
 
     @routes.post("/session")

@@ -18,6 +18,7 @@ from explicable.study.config import FILE, Condition, Study, Task, read_study
 from explicable.study.game import Game, play_by_commands, replay
 from explicable.study.pictures import MapPictures, Pictures
 from explicable.study.places import place_pictures
+from explicable.study.protocol import ConflictError
 from explicable.study.sentences import Wording
 from explicable.study.teaming import LabelledPlanner, Teaming
 from explicable.study.words import Language, language
@@ -74,8 +75,16 @@ class Materials:
         return language(self.study.language)
 
     def material(self, task: str, condition: str) -> Material:
-        """Return a task, prepared for a condition."""
+        """Return a task, prepared for a condition.
+
+        Raises
+        ------
+        ConflictError
+            If the study does not have them, or no longer.
+        """
         if (task, condition) not in self._prepared:
+            if task not in self.tasks or condition not in self.conditions:
+                raise ConflictError("the study has changed, and what you had begun is no longer in it")
             self._prepared[task, condition] = self._prepare(self.tasks[task], self.conditions[condition])
         return self._prepared[task, condition]
 

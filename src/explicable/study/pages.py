@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from explicable.study.conduct import Standing
 from explicable.study.config import Question
-from explicable.study.materials import Materials
+from explicable.study.materials import PRACTICE, Materials
 from explicable.study.pictures import map_key
 from explicable.study.protocol import PARTS, Event, Stage
 from explicable.study.recruitment import return_link
@@ -106,13 +106,13 @@ class Pages:
             "num_parts": len(PARTS),
             "filled_in": filled_in or {},
             "is_incomplete": filled_in is not None,
-            "condition": self.materials.conditions[session.condition],
         }
         if stage is Stage.INSTRUCTIONS:
             shown = self.materials.tasks.values()
             has_map = any(task.renderer == "first-response" for task in shown)
             signs = map_key(self.materials.language.text) if has_map else []
             values.update(
+                condition=self.materials.material(PRACTICE, session.condition).condition,
                 text=self._text("instructions"),
                 key=[(Markup(sign), meaning) for sign, meaning in signs],  # noqa: S704 (our own)
                 has_play=any(task.kind == "play" for task in shown),
@@ -122,6 +122,7 @@ class Pages:
             view = self.views.view(standing)
             values.update(
                 view=view,
+                condition=self.materials.conditions[session.condition],
                 picture=Markup(view.picture or ""),  # noqa: S704 (the package's own, escaped where it is made)
                 view_json=view.model_dump_json(),
             )

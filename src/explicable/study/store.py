@@ -18,6 +18,13 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 DATABASE = "study.db"
+_PRAGMAS = (
+    "journal_mode=WAL",
+    "synchronous=FULL",
+    "foreign_keys=ON",
+    "busy_timeout=20000",
+    "secure_delete=ON",  # what is erased is overwritten
+)
 
 
 class Store:
@@ -58,6 +65,15 @@ class Store:
                 return job(Transaction(connection))
         except OperationalError as error:
             raise UnavailableError("the database does not answer") from error
+
+    def scrub(self) -> None:
+        """Let nothing that was erased stay in the log of an embedded database."""
+        if self.is_sqlite:
+            connection = self._reading.raw_connection()
+            try:
+                connection.cursor().execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            finally:
+                connection.close()
 
     def close(self) -> None:
         """Finish what was asked for and let the database go."""
@@ -102,7 +118,13 @@ def open_engine(url: str, *, begin: str = "BEGIN IMMEDIATE") -> Engine:
         @event.listens_for(engine, "connect")
         def prepare(connection: Any, _: object) -> None:  # noqa: ANN401 (each driver has its own)
             connection.isolation_level = None  # transactions begin below, not where the driver thinks
-            for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON", "busy_timeout=20000"):
+            for pragma in (
+                "journal_mode=WAL",
+                "synchronous=FULL",
+                "foreign_keys=ON",
+                "busy_timeout=20000",
+                "secure_delete=ON",
+            ):
                 connection.execute(f"PRAGMA {pragma}")
 
         @event.listens_for(engine, "begin")

@@ -35,7 +35,8 @@ async function deliver(path, body) {
       if (response.ok) return show(await response.json());
       if (response.status === 409) {
         const problem = await response.json();
-        if (problem.view) show(problem.view);
+        if (!problem.view) return location.reload();
+        show(problem.view);
         if (path === "/api/command") part("status").textContent = main.dataset.refused;
         return;
       }
