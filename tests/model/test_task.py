@@ -1,5 +1,8 @@
 """The grounded task as Python sees it: states, look-ups, execution, and the arrays behind."""
 
+import subprocess
+import sys
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -197,3 +200,24 @@ def test_malformed_arrays_are_refused(change, message):
     _core.Task.from_arrays(**arrays)
     with pytest.raises(ValueError, match=message):
         _core.Task.from_arrays(**{**arrays, **change})
+
+
+def test_a_process_may_end_while_a_thread_holds_a_task():
+    program = """
+import threading
+from explicable.model.grounding import ground
+from explicable.pddl import parse_domain, parse_problem
+
+domain = parse_domain("(define (domain lamp) (:predicates (on)) (:action press :effect (on)))")
+task = ground(parse_problem("(define (problem p) (:domain lamp) (:init) (:goal (on)))", domain))
+held = threading.Event()
+
+def hold(task):
+    held.set()
+    threading.Event().wait()
+
+threading.Thread(target=hold, args=(task,), daemon=True).start()
+held.wait()
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=600, check=True)
+    assert done.stderr == b""
