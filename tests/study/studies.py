@@ -9,6 +9,7 @@ from starlette.testclient import TestClient
 from explicable.study.app import create_app
 from explicable.study.folder import open_database
 from explicable.study.materials import read_materials
+from explicable.study.simulation import shown
 from explicable.study.store import sqlite_url
 
 CORRIDOR = "@.*.\n....\n.x.*\n"
@@ -105,18 +106,21 @@ class Visitor:
     def move(self, view, *, explicable=True):
         """Do the one thing that is due."""
         if view["phase"] == "question":
-            return self.send("answer", number=view["number"], explicable=explicable)
+            return self.send("answer", number=view["number"], explicable=explicable, shown=view["shown"])
         if view["phase"] == "moving":
             return self.send("step", number=view["number"])
         command = next(command for command in view["commands"] if command["is_possible"])
         return self.send("command", operator=command["operator"])
 
-    def play(self):
-        """Play the present task to its end; return the views."""
+    def play(self, *, shows=True):
+        """Play the present task to its end; return the views. Steps are shown as pages do, or asked for."""
         self.look()
         views = [self.view()]
         place = views[0]["stage"], views[0]["position"]
         while (views[-1]["stage"], views[-1]["position"]) == place:
+            if shows and views[-1]["next"]:
+                views.append(shown(views[-1]))
+                continue
             response = self.move(views[-1])
             assert response.status_code == 200, response.text
             views.append(response.json())

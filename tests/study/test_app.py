@@ -8,6 +8,7 @@ from studies import TASKS, Visitor, open_study, write_study
 from explicable.cli import run
 from explicable.study import schema as tables
 from explicable.study.config import read_study
+from explicable.study.simulation import shown
 
 
 @pytest.fixture
@@ -82,6 +83,52 @@ def test_of_two_tabs_the_later_is_told_how_things_stand(client):
     there = visitor.send("step", number=view["number"])
     assert there.status_code == 409
     assert there.json()["view"] == here.json()
+
+
+@pytest.mark.parametrize("ask", ["after", "before"])
+def test_steps_that_a_page_shows_by_itself_are_written_down_as_those_it_asks_for(tmp_path, ask):
+    written = {}
+    for way in ("asks", "shows"):
+        client, _, _ = open_study(write_study(tmp_path / way, play=f'ask = "{ask}"'))
+        with client:
+            visitor = Visitor(client).reach_tasks()
+            visitor.play(shows=way == "shows")
+        columns = "position", "number", "agent", "operator", "explicable"
+        written[way] = [
+            [{name: row[name] for name in columns if name in row} for row in rows(tmp_path / way, table)]
+            for table in (tables.STEPS, tables.LABELS)
+        ]
+        stepped = [
+            row for row in rows(tmp_path / way, tables.EVENTS) if row["kind"] in {"stepped", "announced"}
+        ]
+        assert way == "asks" or len(stepped) < len(written[way][0])
+    assert written["asks"] == written["shows"]
+
+
+@pytest.mark.parametrize("is_shown", [False, True])
+def test_a_command_takes_effect_before_a_step_that_was_not_yet_shown(client, is_shown):
+    visitor = Visitor(client).reach_tasks()
+    view = visitor.move(visitor.view()).json()
+    offer, other = shown(view), next(c["operator"] for c in reversed(view["commands"]) if c["is_possible"])
+    told = {"shown": offer["shown"]} if is_shown else {}
+    after = visitor.send("command", operator=other, **told).json()
+    assert after["number"] == view["number"] + 1 + is_shown
+    assert after["phase"] == ("question" if is_shown else "moving")
+    if is_shown:  # the step that was seen is still asked about
+        answered = visitor.send("answer", number=after["number"], explicable=False).json()
+        assert answered["phase"] == "moving"
+
+
+def test_what_a_page_never_was_to_show_is_refused(client):
+    visitor = Visitor(client).reach_tasks()
+    view = visitor.move(visitor.view()).json()
+    offer = shown(view)
+    right = {"number": offer["number"], "explicable": True, "shown": offer["shown"]}
+    for wrong in ({"shown": "(move r1 c-9-9 c-9-8)"}, {"number": offer["number"] + 1}, {"shown": None}):
+        refused = visitor.send("answer", **right | wrong)
+        assert (refused.status_code, refused.json()["view"]) == (409, view)
+    assert visitor.send("answer", **right).status_code == 200
+    assert visitor.send("answer", **right).status_code == 409
 
 
 def test_a_server_that_starts_again_goes_on_where_everybody_was(tmp_path):

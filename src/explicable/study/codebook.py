@@ -43,7 +43,11 @@ COLUMNS: Mapping[str, tuple[str, str]] = MappingProxyType(
         "revision": ("integer", "How often the session changed."),
         "seed": ("integer", "Number from which, with the study's seed, the session's chance comes."),
         "seen": ("number", "Seconds since 1970 (UTC) of the last sign of life."),
-        "server_time": ("number", "Seconds since 1970 (UTC) by the server's clock."),
+        "server_time": (
+            "number",
+            "Seconds since 1970 (UTC) by the server's clock; of a step that a page showed without asking,"
+            " those of the answer less its latency_s.",
+        ),
         "session": ("string", "The session, as in the table sessions."),
         "source": ("string", "What made the plan that was shown, as named in study.toml."),
         "stage": ("string", "Part of the session."),

@@ -39,6 +39,7 @@ class Session:
     attempts: int
     revision: int
     code: str
+    seen: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +72,18 @@ class Standing:
         """Whether the robot may have to plan to go on."""
         return self.material is not None and self.material.condition.mode == "teaming"
 
+    @property
+    def offer(self) -> Moment | None:
+        """How the task will stand when the robot's next step is shown, if that is asked about.
+
+        A page shows it by itself when it is due, unless a command comes first, and says so with what the
+        person does next (``shown``): only then is it written down. A robot that plans may think again, so
+        its steps are asked for.
+        """
+        if self.material is None or self.moment is None or self.is_teaming:
+            return None
+        return self.material.game.offer(self.moment)
+
 
 @dataclass(frozen=True)
 class Conduct:
@@ -98,36 +111,46 @@ class Conduct:
             return standing
         material, moment = _task(standing, number)
         after = material.game.step(moment)
-        self._record(tx, standing, moment, after, request)
+        self._record(tx, standing, after, request)
         operator = format_action(after.announced or after.steps[-1].action)
         kind = "announced" if after.announced else "stepped"
         return self._went_on(tx, standing, after, request, kind, {"number": number, "operator": operator})
 
     def answer(
-        self, tx: Transaction, session: str, request: Request, number: int, *, explicable: bool
+        self,
+        tx: Transaction,
+        session: str,
+        request: Request,
+        number: int,
+        *,
+        explicable: bool,
+        shown: str | None = None,
     ) -> Standing:
-        """Label the step that is asked about; ``number`` steps have been taken then."""
+        """Label the step that is asked about; ``number`` counts the steps, the one shown included."""
         standing, is_repeated = self._found(tx, session, request)
         if is_repeated:
             return standing
-        material, moment = _task(standing, number)
+        material, moment = _task(standing, number, shown)
         after = material.game.answer(moment, explicable=explicable)
-        self._record(tx, standing, moment, after, request)
-        return self._went_on(
-            tx, standing, after, request, "labelled", {"number": number, "explicable": explicable}
-        )
+        self._record(tx, standing, after, request)
+        data = {"number": number, "explicable": explicable, **({"shown": shown} if shown else {})}
+        return self._went_on(tx, standing, after, request, "labelled", data)
 
-    def command(self, tx: Transaction, session: str, request: Request, operator: str) -> Standing:
+    def command(
+        self, tx: Transaction, session: str, request: Request, operator: str, shown: str | None = None
+    ) -> Standing:
         """Take a step of the person's own."""
         standing, is_repeated = self._found(tx, session, request)
         if is_repeated:
             return standing
-        material, moment = _task(standing, None)
+        material, moment = _task(standing, None, shown)
         after = material.game.command(moment, parse_action(operator))
-        self._record(tx, standing, moment, after, request)
+        self._record(tx, standing, after, request)
         expected = material.game.expected(moment.actions)
         data = {"operator": operator, "expected": expected and format_action(expected)}
-        return self._went_on(tx, standing, after, request, "commanded", data)
+        return self._went_on(
+            tx, standing, after, request, "commanded", {**data, **({"shown": shown} if shown else {})}
+        )
 
     def happen(
         self,
@@ -201,15 +224,18 @@ class Conduct:
         under_way = Assignment(assignment.id, assignment.task, assignment.announced, assignment.started)
         return Standing(session, num_tasks, under_way, material, material.game.moment(steps, announced))
 
-    def _record(
-        self, tx: Transaction, standing: Standing, before: Moment, after: Moment, request: Request
-    ) -> None:
-        """Write down the steps and labels that have come."""
-        row, assignment = standing.session, standing.assignment
-        if assignment is None:
+    def _record(self, tx: Transaction, standing: Standing, after: Moment, request: Request) -> None:
+        """Write down the steps and labels that have come.
+
+        A step that is labelled as it comes was seen before the answer, by the time that the answer took.
+        """
+        row, assignment, before = standing.session, standing.assignment, standing.moment
+        if assignment is None or before is None:
             raise ConflictError("no task is under way")
         for number, step in enumerate(after.steps):
             old = before.steps[number] if number < len(before.steps) else None
+            if old is step:
+                continue
             if old is None:
                 tx.add(
                     tables.STEPS,
@@ -218,7 +244,7 @@ class Conduct:
                     origin=row.origin,
                     agent=step.agent,
                     operator=format_action(step.action),
-                    server_time=request.time,
+                    server_time=max(row.seen, request.time - (request.latency_s or 0.0)),
                 )
             if step.label is not None and (old is None or old.label is None):
                 tx.add(
@@ -280,19 +306,21 @@ class Conduct:
 
     def _change(self, tx: Transaction, session: Session, request: Request, **values: Any) -> Session:  # noqa: ANN401 (columns)
         """Change a session, if nothing has changed it meanwhile; its revision tells, also other tabs."""
-        changed = replace(session, revision=session.revision + 1, **values)
+        changed = replace(session, revision=session.revision + 1, seen=request.time, **values)
         key = {"id": session.id, "revision": session.revision}
         tx.change(tables.SESSIONS, key, revision=changed.revision, seen=request.time, **values)
         return changed
 
 
-def _task(standing: Standing, number: int | None) -> tuple[Material, Moment]:
-    """Return the task under way, of which ``number`` steps have been taken."""
+def _task(standing: Standing, number: int | None, shown: str | None = None) -> tuple[Material, Moment]:
+    """Return the task under way, of which ``number`` steps have been seen, the last of them as ``shown``."""
     if standing.material is None or standing.moment is None:
         raise ConflictError(f"no task is under way in the stage {standing.stage.value!r}")
-    if number is not None and number != len(standing.moment.steps):
+    moment = standing.moment if shown is None else standing.offer
+    is_other = moment is None or (shown is not None and shown != moment.operator)
+    if moment is None or is_other or (number is not None and number != len(moment.steps)):
         raise ConflictError("the task has gone on meanwhile")
-    return standing.material, standing.moment
+    return standing.material, moment
 
 
 def _session_of(row: Row) -> Session:

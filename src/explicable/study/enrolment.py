@@ -1,6 +1,7 @@
 """Who takes part: places are given out, kept by whoever is at it, and given back."""
 
 import secrets
+from functools import cache
 from importlib import metadata
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from explicable.study.ledger import OPEN_STAGES, Request, free_tasks, note
 from explicable.study.materials import PRACTICE, Materials
 from explicable.study.protocol import ConflictError, Event, Stage, advance
 from explicable.study.recruitment import Recruit
-from explicable.study.transaction import Place, Transaction
+from explicable.study.transaction import Places, Transaction
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -86,7 +87,7 @@ def start(
         created=request.time,
         seen=request.time,
         study=materials.hash,
-        version=metadata.version("explicable"),
+        version=_version(),
         seed=seed,
     )
     for position, task in enumerate((PRACTICE, *chosen)):
@@ -102,6 +103,11 @@ def start(
         )
     note(tx, session, origin, "consented", request, {"condition": condition})
     return session
+
+
+@cache
+def _version() -> str:
+    return metadata.version("explicable")
 
 
 def free_places(materials: Materials, tx: Transaction, now: float) -> int:
@@ -136,7 +142,7 @@ def _earlier_session(materials: Materials, tx: Transaction, recruit: Recruit) ->
 
 
 def _draw(
-    materials: Materials, taken: "Sequence[Place]", condition: str, rng: np.random.Generator
+    materials: Materials, taken: "Sequence[Places]", condition: str, rng: np.random.Generator
 ) -> list[str]:
     """Choose tasks: people for played maps are counted by condition, for plans altogether."""
     wanted = {task.name: task.people for task in materials.study.task}
@@ -144,8 +150,8 @@ def _draw(
     times_at: dict[tuple[str, int], int] = {}
     for place in taken:
         if place.task in counts and (place.kind == "replay" or place.condition == condition):
-            counts[place.task] += 1
+            counts[place.task] += place.num
             key = place.task, place.position
-            times_at[key] = times_at.get(key, 0) + 1
+            times_at[key] = times_at.get(key, 0) + place.num
     chosen = draw_tasks(wanted, counts, materials.study.tasks_each, rng)
     return order_tasks(chosen, times_at, rng)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from explicable.execution.episodes import Way, follow
 from explicable.labelling.traces import LabelledStep
+from explicable.model.plan import format_action
 from explicable.study.protocol import ConflictError
 
 if TYPE_CHECKING:
@@ -48,6 +49,13 @@ class Moment:
     def actions(self) -> "tuple[GroundAtom, ...]":
         """The steps' actions."""
         return tuple(step.action for step in self.steps)
+
+    @property
+    def operator(self) -> str | None:
+        """The step announced, or else the last one, as PDDL writes it."""
+        if self.announced:
+            return format_action(self.announced)
+        return format_action(self.steps[-1].action) if self.steps else None
 
 
 @dataclass(frozen=True)
@@ -126,9 +134,12 @@ class Game:
         action = self.upcoming(moment)
         if action is None:
             raise ConflictError("nothing is to be done now but to answer, or to command")
-        if self.ask == "before" and self._is_robots(action):
-            return replace(moment, announced=action)
-        return self._take(moment, action, None)
+        return self._begin(moment, action)
+
+    def offer(self, moment: Moment) -> Moment | None:
+        """Return the task with the next step shown, where that is the robot's: people are asked about it."""
+        action = self.upcoming(moment)
+        return self._begin(moment, action) if action is not None and self._is_robots(action) else None
 
     def answer(self, moment: Moment, *, explicable: bool) -> Moment:
         """Label the step that is asked about; an announced one is then taken.
@@ -175,6 +186,11 @@ class Game:
         request = truth.requests.get(action)
         left = tuple(r for r in asked if action not in r.fulfilled_by and r is not request)
         return truth.task.successor(state, operator), (*left, request) if request else left
+
+    def _begin(self, moment: Moment, action: "GroundAtom") -> Moment:
+        if self.ask == "before" and self._is_robots(action):
+            return replace(moment, announced=action)
+        return self._take(moment, action, None)
 
     def _take(self, moment: Moment, action: "GroundAtom", label: bool | None) -> Moment:
         step = LabelledStep(self.setting.problem.agent_of(action).name, action, label)

@@ -25,6 +25,7 @@ from explicable.study.server import Server
 from explicable.study.transaction import Transaction
 from explicable.study.view import View
 
+Operator = Annotated[str, Field(min_length=3, max_length=500)]
 RequestId = Annotated[str, Field(pattern=r"^[A-Za-z0-9-]{8,64}$")]
 
 
@@ -37,17 +38,19 @@ class Move(BaseModel):
 
 
 class Answer(Move):
-    """Says whether the step that is asked about makes sense."""
+    """Says whether the step that is asked about makes sense; ``shown``, if the page showed it by itself."""
 
     explicable: bool
+    shown: Operator | None = None
     latency_s: Annotated[FiniteFloat, Field(ge=0, le=1e6)] | None = None
 
 
 class Order(BaseModel):
-    """Gives a command, by its operator."""
+    """Gives a command, by its operator; ``shown`` is the step that the page has shown by itself before."""
 
     request_id: RequestId
-    operator: Annotated[str, Field(min_length=3, max_length=500)]
+    operator: Operator
+    shown: Operator | None = None
     client_time: FiniteFloat | None = None
 
 
@@ -114,10 +117,10 @@ def add_interface(app: FastAPI, server: Server) -> None:
         code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429, 503)
     }
 
-    @app.get("/api/view", responses=responses)
-    async def view(request: HTTPRequest) -> View:
+    @app.get("/api/view", response_model=View, responses=responses)
+    async def view(request: HTTPRequest) -> Response:
         session = server.session(request)
-        return await server.read(lambda tx: views.view(conduct.standing(tx, session)))
+        return _json(await server.read(lambda tx: views.json(conduct.standing(tx, session))))
 
     async def think_ahead(session: str) -> None:
         """Let the robot plan before the transaction in which it moves: nobody waits for a plan then.
@@ -136,11 +139,11 @@ def add_interface(app: FastAPI, server: Server) -> None:
             raise
         except ConflictError as error:
             shown = await server.read(lambda tx: views.view(conduct.standing(tx, session)))
-            return _json(Problem(error=str(error), view=shown), 409)
+            return _json(Problem(error=str(error), view=shown).model_dump_json(), 409)
         if standing.is_teaming:
             # The robot may plan now: aside, so that others need not wait.
-            return _json(await asyncio.to_thread(views.view, standing))
-        return _json(views.view(standing))
+            return _json(await asyncio.to_thread(views.json, standing))
+        return _json(views.json(standing))
 
     async def step(request: HTTPRequest, body: Move) -> Response:
         asked = Request(body.request_id, time.time(), body.client_time)
@@ -152,13 +155,15 @@ def add_interface(app: FastAPI, server: Server) -> None:
         asked = Request(body.request_id, time.time(), body.client_time, body.latency_s)
         return await carry_out(
             request,
-            lambda tx, session: conduct.answer(tx, session, asked, body.number, explicable=body.explicable),
+            lambda tx, session: conduct.answer(
+                tx, session, asked, body.number, explicable=body.explicable, shown=body.shown
+            ),
         )
 
     async def command(request: HTTPRequest, body: Order) -> Response:
         asked = Request(body.request_id, time.time(), body.client_time)
         return await carry_out(
-            request, lambda tx, session: conduct.command(tx, session, asked, body.operator)
+            request, lambda tx, session: conduct.command(tx, session, asked, body.operator, body.shown)
         )
 
     for act in (step, answer, command):
@@ -178,5 +183,5 @@ def add_interface(app: FastAPI, server: Server) -> None:
         return StreamingResponse(stream, media_type="text/event-stream")
 
 
-def _json(model: BaseModel, status: int = 200) -> Response:
-    return Response(model.model_dump_json(), status, media_type="application/json")
+def _json(text: str, status: int = 200) -> Response:
+    return Response(text, status, media_type="application/json")

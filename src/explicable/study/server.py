@@ -51,6 +51,11 @@ class Server:
 
         return named
 
+    @cached_property
+    def is_token(self) -> Callable[[str, str | None], bool]:
+        """Tells whether a token is a session's; remembers the latest answers."""
+        return lru_cache(maxsize=_MOST_COOKIES)(self.keys.is_token)
+
     async def write(self, job: Callable[[Transaction], T]) -> T:
         """Let a job run that may write; done when what it did is on the disk."""
         result: T = await asyncio.wrap_future(self.store.submit(job))
@@ -82,6 +87,6 @@ class Server:
             403 if the token does not belong to the session.
         """
         session = self.session(request)
-        if not self.keys.is_token(session, token):
+        if not self.is_token(session, token):
             raise HTTPException(403, "this request does not come from a page of the study")
         return session

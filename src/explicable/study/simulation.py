@@ -29,7 +29,7 @@ from explicable.study.client import Answer, Client
 from explicable.study.game import Moment
 from explicable.study.materials import Material, Materials
 from explicable.study.security import Keys
-from explicable.study.view import commands_of, operator_of, phase_of
+from explicable.study.view import commands_of, phase_of
 
 if TYPE_CHECKING:
     from explicable.model.problem import GroundAtom
@@ -197,6 +197,9 @@ class _Visit:
             path, body = eye.decide(view)
             if self.simulation.pace_s and path != "/api/command":
                 await asyncio.sleep(self.simulation.pace_s / 2 * float(self.rng.uniform(0.5, 1.5)))
+            if path == "/api/step" and view["next"] is not None:
+                view = shown(view)  # nothing has come before it
+                continue
             began = time.perf_counter()
             view = await self.send(path, body)
             if path == "/api/answer":
@@ -259,6 +262,17 @@ def check_served(link: str, study_hash: str) -> None:
         raise InputError("another study is served there, or its files have changed since", path=link)
 
 
+def shown(view: dict[str, Any]) -> dict[str, Any]:
+    """Return a view after the step that its page shows without asking.
+
+    Examples
+    --------
+    >>> shown({"stage": "tasks", "number": 3, "next": {"phase": "question", "num_taken": 1, "next": None}})
+    {'stage': 'tasks', 'number': 4, 'next': None, 'phase': 'question', 'num_taken': 1}
+    """
+    return {**view, **view["next"], "number": view["number"] + view["next"]["num_taken"]}
+
+
 def rehearse(
     material: Material, participant: Participant, rng: np.random.Generator
 ) -> tuple[LabelledStep, ...]:
@@ -270,7 +284,7 @@ def rehearse(
             {
                 "phase": phase_of(material, moment),
                 "number": len(moment.steps),
-                "operator": operator_of(moment),
+                "operator": moment.operator,
                 "commands": [
                     command.model_dump()
                     for command in commands_of(material, moment, request.action if request else None)
@@ -304,8 +318,10 @@ class _Eye:
         if view["operator"] and (view["number"] > len(self.watched.steps) or is_announced):
             self.watched.take(parse_action(view["operator"]))
             self.may_think = view["phase"] == "question"
+        told = {"shown": view["shown"]} if view.get("shown") else {}
         if view["phase"] == "question":
-            return "/api/answer", {"number": view["number"], "explicable": bool(self.watched.steps[-1].label)}
+            explicable = bool(self.watched.steps[-1].label)
+            return "/api/answer", {"number": view["number"], "explicable": explicable, **told}
         asked = self._ask(view)
         if asked is not None:
             self.may_think = False

@@ -14,13 +14,14 @@ T = TypeVar("T")
 Row: TypeAlias = sql.Row[*tuple[Any, ...]]
 
 
-class Place(NamedTuple):
-    """How often a task is taken: its name, condition, kind and position in the session."""
+class Places(NamedTuple):
+    """How often a task is taken: its name, condition, kind and position in the session, and how often so."""
 
     task: str
     condition: str
     kind: str
     position: int
+    num: int
 
 
 class OutdatedError(ExplicableError):
@@ -134,26 +135,30 @@ class Transaction:
         """Return the steps of an assignment in order, each with its label or None."""
         return self._execute(_LABELLED_STEPS, {"assignment": assignment}).all()
 
-    def places(self, origin: str) -> list[Place]:
+    def places(self, origin: str) -> list[Places]:
         """Return the places taken by people, or by simulated participants: neither takes the other's.
 
         They are the tasks of sessions that are under way or have finished them.
         """
+        by = (
+            tables.ASSIGNMENTS.c.task,
+            tables.SESSIONS.c.condition,
+            tables.ASSIGNMENTS.c.kind,
+            tables.ASSIGNMENTS.c.position,
+        )
         query = (
-            sql.select(
-                tables.ASSIGNMENTS.c.task,
-                tables.SESSIONS.c.condition,
-                tables.ASSIGNMENTS.c.kind,
-                tables.ASSIGNMENTS.c.position,
-            )
+            sql.select(*by, sql.func.count())
+            .select_from(tables.ASSIGNMENTS)
             .join(tables.SESSIONS)
             .where(
                 tables.ASSIGNMENTS.c.origin == origin,
                 tables.ASSIGNMENTS.c.status != "freed",
                 tables.ASSIGNMENTS.c.kind != "practice",
             )
+            .group_by(*by)
+            .order_by(*by)
         )
-        return [Place(*row) for row in self._execute(query)]
+        return [Places(*row) for row in self._execute(query)]
 
     def count(self, table: Table, *columns: str, **key: object) -> dict[tuple[Any, ...], int]:
         """Count rows by the values of some columns."""

@@ -5,6 +5,7 @@ so that their number hardly matters; and nobody hears of success before the comm
 """
 
 import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from queue import SimpleQueue
@@ -20,6 +21,8 @@ T = TypeVar("T")
 Entry: TypeAlias = tuple[Callable[[Transaction], Any], "Future[Any]"]
 
 _MOST_AT_ONCE = 128
+_GATHERING_S = 0.01
+"""Seconds for which a commit waits for others, where the one before it had several."""
 _MOST_REMEMBERED = 10_000
 
 
@@ -59,8 +62,10 @@ class Writer:
         self._thread.join()
 
     def _work(self) -> None:
-        entry = self._queue.get()
+        entry, batch = self._queue.get(), list[Entry]()
         while entry is not None:
+            if len(batch) > 1:
+                time.sleep(_GATHERING_S)
             batch = []
             while entry is not None:
                 if entry[1].set_running_or_notify_cancel():

@@ -17,10 +17,11 @@ const newId = () => Array.from(crypto.getRandomValues(new Uint8Array(16)), (b) =
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 // One request after another; one that gets no answer is sent again as it was: the server carries it out once.
+// A step that was shown without asking is told with the first request after it.
 function send(path, body) {
   pending += 1;
   body = { request_id: newId(), client_time: Date.now() / 1000, ...body };
-  queue = queue.then(() => deliver(path, body)).finally(() => { pending -= 1; });
+  queue = queue.then(() => deliver(path, { ...body, shown: view.shown })).finally(() => { pending -= 1; });
   return queue;
 }
 
@@ -95,8 +96,15 @@ const mustStart = () => view.phase === "moving" && !hasStarted && !view.commands
 function goOn() {
   clearTimeout(timer);
   if (view.phase === "moving" && !mustStart() && !isFinished) {
-    timer = setTimeout(() => send("/api/step", { number: view.number }), 1000 * view.wait_s);
+    timer = setTimeout(takeStep, 1000 * view.wait_s);
   }
+}
+
+function takeStep() {
+  if (pending) return;
+  const next = view.next;
+  if (next) show({ ...view, ...next, number: view.number + next.num_taken });
+  else send("/api/step", { number: view.number });
 }
 
 function finish() {
