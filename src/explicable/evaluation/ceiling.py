@@ -7,8 +7,9 @@ more explicable than FF's, no labeller and no planner can make it so.
 import heapq
 import itertools
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -16,11 +17,13 @@ from explicable.errors import UsageError
 from explicable.execution import Participant, Setting
 from explicable.execution import mind as minds
 from explicable.execution.mind import Mind
+from explicable.labelling.traces import problem_checksum
 from explicable.model.problem import GroundAtom
-from explicable.model.task import State
+from explicable.model.task import State, Task
 
-_Steps = dict[State, list[tuple[GroundAtom, int, State]]]
 _Path = tuple[GroundAtom, "_Path"] | None
+_Node = tuple[State, int, int]
+"""A state, and the numbers of the mind that learns and of the one that does not."""
 
 
 def plan_for_judges(
@@ -46,27 +49,25 @@ def plan_for_judges(
     """
     if len({(judge.horizon, judge.initiative) for judge in judges}) != 1:
         raise UsageError("the judges must have one horizon")
-    steps = _list_steps(setting)
-    to_go = _costs_to_go(setting, steps)
-    start = setting.truth.task.initial_state
+    task = setting.truth.task
+    to_go, start = _costs_to_go(_Place(problem_checksum(setting.problem), task)), task.initial_state
     if start not in to_go:
         raise UsageError("there is no plan")
     max_cost = math.floor(to_go[start] * (1 + max_cost_increase) + 1e-9)
     watcher = _Watcher(setting, judges)
-    mind = Mind(setting.belief.task.initial_state)
+    mind = watcher.number(Mind(setting.belief.task.initial_state))
     numbers = itertools.count()
-    queue: list[tuple[float, int, int, tuple[State, Mind, Mind], _Path]] = [
-        (0.0, 0, next(numbers), (start, mind, mind), None)
-    ]
-    cheapest: dict[tuple[State, Mind, Mind], int] = {}  # of the ways by which a node was left
+    queue: list[tuple[float, int, int, _Node, _Path]] = [(0.0, 0, next(numbers), (start, mind, mind), None)]
+    cheapest: dict[_Node, int] = {}  # of the ways by which a node was left
     while True:
         count, cost, _, node, path = heapq.heappop(queue)
         if cheapest.get(node, math.inf) <= cost:
             continue
         cheapest[node] = cost
-        if to_go[node[0]] == 0 and setting.truth.task.is_goal(node[0]):
+        if to_go[node[0]] == 0 and task.is_goal(node[0]):
             return _actions(path)
-        for action, price, after in steps[node[0]]:
+        for operator, after in _steps(task, node[0]):
+            action, price = task.action(operator), task.cost(operator)
             if cost + price + to_go.get(after, math.inf) <= max_cost:
                 against, learnt, unlearnt = watcher.after(node, action, after)
                 child = (after, learnt, unlearnt)
@@ -76,17 +77,24 @@ def plan_for_judges(
 
 
 class _Watcher:
-    """What the judges make of each step, remembered."""
+    """What the judges make of each step, remembered; minds go by numbers, which are quicker to look up."""
 
     def __init__(self, setting: Setting, judges: Sequence[Participant]) -> None:
         self.setting, self.judges = setting, judges
         self.learner = replace(judges[0], learning=1.0, memory=1.0)
         self.chance = np.random.default_rng(0)  # leaves nothing open: the learner is sure to learn
-        self._known: dict[tuple[Mind, GroundAtom, State, bool], tuple[float, Mind]] = {}
+        self._minds: list[Mind] = []
+        self._numbers: dict[Mind, int] = {}
+        self._known: dict[tuple[int, GroundAtom, State, bool], tuple[float, int]] = {}
 
-    def after(
-        self, node: tuple[State, Mind, Mind], action: GroundAtom, state: State
-    ) -> tuple[float, Mind, Mind]:
+    def number(self, mind: Mind) -> int:
+        """Return a mind's number; equal minds have the same."""
+        if mind not in self._numbers:
+            self._numbers[mind] = len(self._minds)
+            self._minds.append(mind)
+        return self._numbers[mind]
+
+    def after(self, node: _Node, action: GroundAtom, state: State) -> tuple[float, int, int]:
         """Return how many hold a step against the robot, as a share, and both minds after it."""
         before, learning, unlearning = node
         one, learnt = self._watch(learning, action, before, state, learns=True)
@@ -94,11 +102,11 @@ class _Watcher:
         return (one + other) / 2, learnt, unlearnt
 
     def _watch(
-        self, mind: Mind, action: GroundAtom, before: State, state: State, *, learns: bool
-    ) -> tuple[float, Mind]:
-        key = (mind, action, before, learns)
+        self, number: int, action: GroundAtom, before: State, state: State, *, learns: bool
+    ) -> tuple[float, int]:
+        key = (number, action, before, learns)
         if key not in self._known:
-            against = 0.0
+            mind, against = self._minds[number], 0.0
             if self.setting.problem.agent_of(action).kind == "robot":
                 held = minds.regret(self.setting.belief, self.learner, mind, action)
                 accepted = sum(minds.acceptance(judge, held) for judge in self.judges)
@@ -107,54 +115,54 @@ class _Watcher:
                     mind = minds.infer(self.setting, self.learner, mind, before, self.chance)
             then = minds.watch(self.setting, mind, action, before, state)
             # What was tried or worked out how plays no part in judging, and would keep equal minds apart.
-            self._known[key] = against, Mind(then.state, then.requests)
+            self._known[key] = against, self.number(Mind(then.state, then.requests))
         return self._known[key]
 
 
-def _list_steps(setting: Setting) -> _Steps:
-    """List all states that can be reached, with the steps from each."""
-    task = setting.truth.task
-    actions = [task.action(operator) for operator in range(task.num_operators)]
-    steps: _Steps = {}
-    states = [task.initial_state]
-    seen = set(states)
-    for state in states:
-        steps[state] = []
-        for operator in task.applicable(state):
-            action = actions[operator]
+def _steps(task: Task, state: State) -> Iterator[tuple[int, State]]:
+    """Yield the operators that are applicable, and where they lead; what only changes beliefs is no step."""
+    for operator in task.applicable(state):
+        action = task.action(operator)
+        if action and " " not in action[0]:
             after = task.successor(state, operator)
-            if action and " " not in action[0] and after != state:  # what only changes beliefs is no step
-                steps[state].append((action, task.cost(operator), after))
-                if after not in seen:
-                    seen.add(after)
-                    states.append(after)
-    return steps
+            if after != state:
+                yield operator, after
 
 
-def _costs_to_go(setting: Setting, steps: _Steps) -> dict[State, int]:
-    before: dict[State, list[tuple[State, int]]] = {}
-    for state, following in steps.items():
-        for _, price, after in following:
-            before.setdefault(after, []).append((state, price))
-    goals = (state for state in steps if setting.truth.task.is_goal(state))
-    return _distances(goals, lambda state: before.get(state, ()))
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A task, known again by its problem's checksum whenever it has been grounded anew."""
+
+    checksum: str
+    task: Task = field(compare=False)
 
 
-def _distances(
-    starts: Iterable[State], edges: Callable[[State], Iterable[tuple[State, int]]]
-) -> dict[State, int]:
-    """Dijkstra's algorithm."""
-    numbers = itertools.count()
-    queue = [(0, next(numbers), state) for state in starts]
-    found: dict[State, int] = {}
-    while queue:
-        distance, _, state = heapq.heappop(queue)
-        if state not in found:
-            found[state] = distance
-            for other, price in edges(state):
+@lru_cache(maxsize=8)
+def _costs_to_go(place: _Place) -> Mapping[State, int]:
+    """Return what the goal costs from each state from which it can be reached.
+
+    The last few tasks' are kept: trials that differ in nothing but participants plan for the same maps.
+    """
+    task = place.task
+    states, numbers = [task.initial_state], {task.initial_state: 0}
+    before: list[list[tuple[int, int]]] = [[]]
+    for number, state in enumerate(states):  # which grows meanwhile
+        for operator, after in _steps(task, state):
+            if after not in numbers:
+                numbers[after] = len(states)
+                states.append(after)
+                before.append([])
+            before[numbers[after]].append((task.cost(operator), number))
+    queue = [(0, number) for number, state in enumerate(states) if task.is_goal(state)]
+    found: dict[int, int] = {}
+    while queue:  # Dijkstra's algorithm, backwards
+        cost, number = heapq.heappop(queue)
+        if number not in found:
+            found[number] = cost
+            for price, other in before[number]:
                 if other not in found:
-                    heapq.heappush(queue, (distance + price, next(numbers), other))
-    return found
+                    heapq.heappush(queue, (cost + price, other))
+    return {states[number]: cost for number, cost in found.items()}
 
 
 def _actions(path: _Path) -> tuple[GroundAtom, ...]:

@@ -43,7 +43,8 @@ def strategies(labeller: Labeller, prices: Prices = USUAL_PRICES) -> dict[str, S
     ``follower``: a shortest way to what was last asked for; ``nearest``: without a request it heads for what
     can be had soonest; ``ff``: the joint plan of FF; ``explicable``: the explicable joint plan; ``learning``:
     the same, learning the person while working; ``oracle``: knows what the participant will hold against it.
-    What depends on the map alone is made once for all games on it that follow one another.
+    What depends on the map alone is made once for all games on it that follow one another. Searches have
+    budgets of evaluations, not of time: the games do not hang on the machine.
 
     Examples
     --------
@@ -53,12 +54,14 @@ def strategies(labeller: Labeller, prices: Prices = USUAL_PRICES) -> dict[str, S
     ['follower', 'nearest', 'ff', 'explicable', 'learning', 'oracle']
     """
     grounding = Grounding()
-    classical, explicable = ClassicalPlanner(), ExplicablePlanner(labeller, prices, grounding=grounding)
+
+    def unhurried() -> ExplicablePlanner:
+        return ExplicablePlanner(labeller, prices, improve_s=None, grounding=grounding)
 
     def learning(setting: Setting, person: SimulatedPerson) -> LearningPlanner:
-        planner = ExplicablePlanner(labeller, prices, grounding=grounding)
-        return LearningPlanner(planner, _guesses(setting, person))
+        return LearningPlanner(unhurried(), _guesses(setting, person))
 
+    classical, explicable = ClassicalPlanner(), unhurried()
     return {
         "follower": lambda _setting, _person: follow,
         "nearest": lambda setting, _person: NearestPlanner(setting),

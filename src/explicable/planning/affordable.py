@@ -27,6 +27,7 @@ def plan_most_explicably(
     *,
     improve_s: float = 1.0,
     time_limit_s: float | None = None,
+    max_evaluations: int | None = None,
     seed: int = 0,
 ) -> TeamPlan:
     """Find the plan of fewest inexplicable steps, by expectation, among those of at most `max_cost`.
@@ -35,7 +36,7 @@ def plan_most_explicably(
     ----------
     max_cost
         None: whatever it costs.
-    improve_s, time_limit_s
+    improve_s, time_limit_s, max_evaluations
         As in `plan_explicably`.
 
     Returns
@@ -65,5 +66,6 @@ def plan_most_explicably(
         max_cost=max_cost,
         improve_s=improve_s,
         time_limit_s=time_limit_s,
+        max_evaluations=max_evaluations,
         seed=seed,
     )

@@ -26,6 +26,7 @@ def plan_within_budget(
     min_explicability: float | None = None,
     search_s: float = 1.0,
     time_limit_s: float | None = None,
+    max_evaluations: int | None = None,
     seed: int = 0,
 ) -> TeamPlan:
     """Plan explicably with a budget in the place of alpha.
@@ -41,6 +42,8 @@ def plan_within_budget(
         Seconds for each search, of which there are two with a limit of cost, else some more.
     time_limit_s
         Seconds for all of them.
+    max_evaluations
+        Heuristic values for each plan sought.
 
     Returns
     -------
@@ -77,14 +80,25 @@ def plan_within_budget(
     def solve(max_cost: int | None) -> TeamPlan:
         searches.append(
             plan_most_explicably(
-                team_task, labeller, max_cost, improve_s=search_s, time_limit_s=left_s(), seed=seed
+                team_task,
+                labeller,
+                max_cost,
+                improve_s=search_s,
+                time_limit_s=left_s(),
+                max_evaluations=max_evaluations,
+                seed=seed,
             )
         )
         return searches[-1]
 
     cheapest_s = search_s if deadline == math.inf else min(search_s, deadline - time.monotonic())
     cheapest = plan_classically(
-        team_task, labeller=labeller, algorithm="anytime", time_limit_s=cheapest_s, seed=seed
+        team_task,
+        labeller=labeller,
+        algorithm="anytime",
+        time_limit_s=cheapest_s,
+        max_evaluations=max_evaluations,
+        seed=seed,
     )
     searches.append(cheapest)
     if cheapest.plan is None:

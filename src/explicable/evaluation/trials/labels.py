@@ -1,5 +1,6 @@
 """How good predicted labels are: on participants' own games, and on plans that were made to please."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -10,7 +11,7 @@ from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.trials.training import (
     JUDGING,
     PLAYING,
-    PROOF_S,
+    PROOF_EVALUATIONS,
     draw_participants,
     find_family,
     held_out,
@@ -72,7 +73,10 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
         plans = {"participants": game.trace.actions}
         for name, found in (
             ("ff", plan_classically(team, algorithm="ff")),
-            ("explicable", plan_explicably(team, planner, improve_s=PROOF_S)),
+            (
+                "explicable",
+                plan_explicably(team, planner, improve_s=math.inf, max_evaluations=PROOF_EVALUATIONS),
+            ),
         ):
             if found.plan is not None:
                 plans[name] = found.plan.actions

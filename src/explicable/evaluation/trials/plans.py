@@ -1,5 +1,6 @@
 """Plans of several planners for the same maps, judged by the labeller, and by participants it has not met."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -12,7 +13,7 @@ from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.trials.training import (
     JUDGING,
     PLAYING,
-    PROOF_S,
+    PROOF_EVALUATIONS,
     HeldOutProblem,
     draw_participants,
     find_family,
@@ -129,16 +130,25 @@ PLANNERS: dict[str, Planner] = {
         team, known.labeller, alpha=known.alpha, improve_s=0, closing="context"
     ),
     "explicable": lambda team, known: plan_explicably(
-        team, known.labeller, alpha=known.alpha, improve_s=PROOF_S
+        team,
+        known.labeller,
+        alpha=known.alpha,
+        improve_s=math.inf,
+        max_evaluations=PROOF_EVALUATIONS,
     ),
     "budget": lambda team, known: plan_within_budget(
-        team, known.labeller, max_cost_increase=EXTRA, search_s=PROOF_S
+        team,
+        known.labeller,
+        max_cost_increase=EXTRA,
+        search_s=math.inf,
+        max_evaluations=PROOF_EVALUATIONS,
     ),
     "charged": lambda team, known: plan_explicably(
         team,
         known.labeller,
         alpha=known.alpha,
-        improve_s=PROOF_S,
+        improve_s=math.inf,
+        max_evaluations=PROOF_EVALUATIONS,
         human_model=known.human,
         human_step_weight=1.0,
     ),
