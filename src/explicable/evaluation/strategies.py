@@ -37,14 +37,20 @@ Strategy = Callable[[Setting, SimulatedPerson], Planner]
 """Makes a strategy's planner for one game; only the oracle looks at the person."""
 
 
-def strategies(labeller: Labeller, prices: Prices = USUAL_PRICES) -> dict[str, Strategy]:
+def strategies(
+    labeller: Labeller, prices: Prices = USUAL_PRICES, *, improve_s: float | None = 0.1
+) -> dict[str, Strategy]:
     """Return all strategies that are compared, by name.
 
     ``follower``: a shortest way to what was last asked for; ``nearest``: without a request it heads for what
     can be had soonest; ``ff``: the joint plan of FF; ``explicable``: the explicable joint plan; ``learning``:
     the same, learning the person while working; ``oracle``: knows what the participant will hold against it.
-    What depends on the map alone is made once for all games on it that follow one another. Searches have
-    budgets of evaluations, not of time: the games do not hang on the machine.
+    What depends on the map alone is made once for all games on it that follow one another.
+
+    Parameters
+    ----------
+    labeller, prices, improve_s
+        Of `ExplicablePlanner`.
 
     Examples
     --------
@@ -55,13 +61,13 @@ def strategies(labeller: Labeller, prices: Prices = USUAL_PRICES) -> dict[str, S
     """
     grounding = Grounding()
 
-    def unhurried() -> ExplicablePlanner:
-        return ExplicablePlanner(labeller, prices, improve_s=None, grounding=grounding)
+    def planner() -> ExplicablePlanner:
+        return ExplicablePlanner(labeller, prices, improve_s=improve_s, grounding=grounding)
 
     def learning(setting: Setting, person: SimulatedPerson) -> LearningPlanner:
-        return LearningPlanner(unhurried(), _guesses(setting, person))
+        return LearningPlanner(planner(), _guesses(setting, person))
 
-    classical, explicable = ClassicalPlanner(), unhurried()
+    classical, explicable = ClassicalPlanner(), planner()
     return {
         "follower": lambda _setting, _person: follow,
         "nearest": lambda setting, _person: NearestPlanner(setting),

@@ -1,5 +1,7 @@
 """How much memory this process may still take, and how much it holds."""
 
+import ctypes
+import gc
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
@@ -48,6 +50,16 @@ def forget_peak_memory() -> None:
     """Let `peak_memory_bytes` count from now on, where the system can (Linux: proc(5), clear_refs)."""
     with suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
+
+
+def return_free_memory() -> None:
+    """Give back what was freed but kept for later, so that `resident_memory_bytes` is what is in use.
+
+    Where the C library can do so (glibc); elsewhere nothing happens.
+    """
+    gc.collect()
+    with suppress(AttributeError, OSError, TypeError):
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 def _left_on_machine(root: Path) -> list[int]:

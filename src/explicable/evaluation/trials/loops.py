@@ -58,7 +58,7 @@ class Settings:
 def measure(settings: Settings, seed: Seed) -> list[Row]:
     """Play each map with each participant and each strategy, chance being the same: one row a game."""
     labeller = train(training_traces(seed, settings.family, settings.semantics, settings.num_traces))
-    known = strategies(labeller, Prices(alpha=settings.alpha))
+    known = strategies(labeller, Prices(alpha=settings.alpha), improve_s=None)
     players = draw_participants(seed, settings.judges or settings.family, settings.num_players)
     rows = []
     for held in held_out(seed, settings.semantics, settings.num_maps):
