@@ -3,10 +3,11 @@
     python benchmarks/study_load.py [--only sqlite | postgresql] [--num 1000] [--pace 2] [--record]
 
 SQLite with one process, then PostgreSQL with two. Participants come one after the other; counted are the
-labels of the time in which all are there. Prints a JSON object for each database: what the participants
-measured (they run on the same machine, so their own work is in it), the processor time that a label takes on
-both sides, and whether any label, also of the time before, was lost or doubled. `--record` keeps it in
-`records/` and writes the latest of each database into docs/study.md.
+labels that are sent in the time in which all are there: it begins when what the arrivals have left to do is
+done, and ends before the participants leave, all at once. Prints a JSON object for each database: what the
+participants measured (they run on the same machine, so their own work is in it), the processor time that a
+label takes on both sides, and whether any label, also of the time before and after, was lost or doubled.
+`--record` keeps it in `records/` and writes the latest of each database into docs/study.md.
 """
 
 import argparse
@@ -38,8 +39,10 @@ RECORDS = ROOT / "benchmarks" / "records" / "study_load.jsonl"
 PAGE = ROOT / "docs" / "study.md"
 MARK = "<!-- study-load -->"
 WORKERS = {"sqlite": 1, "postgresql": 2}
-SETTLING_S = 5
-"""Seconds after the last arrival."""
+SETTLING_S = 10
+"""Seconds from the last arrival to the time that counts."""
+LEAVING_S = 5
+"""Seconds from there to when all leave."""
 
 
 @contextmanager
@@ -135,15 +138,16 @@ def measure(folder: Path, options: argparse.Namespace, database: str | None) -> 
             family,
             pace_s=options.pace,
             arrival_s=options.arrival,
-            until=began + options.arrival + SETTLING_S + options.seconds,
+            until=began + options.arrival + SETTLING_S + options.seconds + LEAVING_S,
         )
-        start, before = simulation.until - options.seconds, list[tuple[float, ...]]()
-        noting = threading.Timer(start - began, lambda: before.append(processor_s(folder)))
-        noting.start()
+        end = simulation.until - LEAVING_S
+        start, noted = end - options.seconds, list[tuple[float, ...]]()
+        for moment in (start, end):
+            threading.Timer(moment - began, lambda: noted.append(processor_s(folder))).start()
         tally = simulation.run(options.num, at_once=options.num)
-        after = processor_s(folder)
-    times = [took for took, at in zip(tally.answer_s, tally.answered, strict=True) if at >= start]
-    spent = [round(1000 * (b - a) / len(times), 2) for a, b in zip(*before, after, strict=True)]
+    answers = zip(tally.answer_s, tally.answered, strict=True)
+    times = [took for took, answered in answers if start <= answered - took < end]
+    spent = [round(1000 * (b - a) / len(times), 2) for a, b in zip(*noted, strict=True)]
     return {
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}",
