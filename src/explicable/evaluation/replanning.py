@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from explicable.execution import Course, PersonFilter, Proposal, Situation, adapt, num_changes
 from explicable.execution.monitor import Event
@@ -22,7 +22,6 @@ from explicable.labelling import Labeller
 from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
 from explicable.model.problem import GroundAtom
-from explicable.model.requests import find_requests
 from explicable.model.task import Execution, State
 from explicable.model.team import TeamProblem
 from explicable.planning import HumanModel
@@ -66,16 +65,34 @@ USUAL_PRICES = Prices()
 
 
 class Grounding:
-    """Grounds a team problem once, for all planners that are asked about it one after the other."""
+    """Grounds a team problem once, for all planners that are asked about it one after the other.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    labeller
+        What a robot that has not met the person yet goes by: what is found out with it is kept for the next
+        games, too.
+    """
+
+    def __init__(self, labeller: Labeller) -> None:
+        self.labeller = labeller
         self._last: TeamFeatures | None = None
+        self._game: _LabelledGame | None = None
 
     def __call__(self, problem: TeamProblem) -> TeamFeatures:
         """Return the features of the steps of a problem's plans."""
         if self._last is None or self._last.team.problem is not problem:
             self._last = TeamFeatures(ground_team(problem))
         return self._last
+
+    def game(self, problem: TeamProblem, labeller: Labeller) -> "_LabelledGame":
+        """Return a game as a labeller sees it."""
+        features = self(problem)
+        if labeller is not self.labeller:
+            return _LabelledGame(features, labeller)
+        if self._game is None or self._game.features is not features:
+            self._game = _LabelledGame(features, labeller)
+        return copy(self._game)
 
 
 class ExplicablePlanner:
@@ -118,20 +135,20 @@ class ExplicablePlanner:
         self.labeller, self.prices = labeller, prices
         self.foresight, self.human_model = foresight, human_model
         self.max_evaluations, self.improve_s = max_evaluations, improve_s
-        self.grounding = grounding or Grounding()
+        self.grounding = grounding or Grounding(labeller)
         self._game: _LabelledGame | None = None
 
     def __call__(self, situation: Situation) -> Proposal:
         """Plan from here on."""
         game = self._game
         if game is None or game.problem is not situation.problem or game.labeller is not self.labeller:
-            game = self._game = _LabelledGame(self.grounding(situation.problem), self.labeller)
+            game = self._game = self.grounding.game(situation.problem, self.labeller)
         game.move_to(situation.past)
         first = self._search(game)
         if first.operators is None:
             return Proposal(first.outcome)
         chances = self._chances(game, situation)
-        plans = dict.fromkeys(self._alternatives(game, situation.announced, game.actions(first), chances))
+        plans = dict.fromkeys(self._alternatives(game, situation.announced, first, chances))
 
         def price(plan: Actions) -> float:
             prices = self.prices
@@ -151,13 +168,17 @@ class ExplicablePlanner:
         return {}
 
     def _alternatives(
-        self, game: "_LabelledGame", announced: Actions, first: Actions, chances: Mapping[GroundAtom, float]
+        self,
+        game: "_LabelledGame",
+        announced: Actions,
+        first: SearchResult,
+        chances: Mapping[GroundAtom, float],
     ) -> Iterator[Actions]:
         if announced:
             yield announced
-        yield first
-        if self.max_evaluations:
-            better = self._search(game, "anytime")
+        yield game.actions(first)
+        if 0 < self.max_evaluations >= first.evaluations:
+            better = self._search(game, first)
             if better.operators is not None:
                 yield game.actions(better)
         for request in sorted(chances, key=lambda step: -chances[step])[:_NUM_PREDICTIONS]:
@@ -166,20 +187,20 @@ class ExplicablePlanner:
             if asked and rest and rest.operators is not None:
                 yield (request, *asked.actions(rest))
 
-    def _search(
-        self, game: "_LabelledGame", algorithm: Literal["default", "anytime"] = "default"
-    ) -> SearchResult:
-        key = algorithm, game.state, game.context
+    def _search(self, game: "_LabelledGame", first: SearchResult | None = None) -> SearchResult:
+        """Search for the plan of Eq. 4, or improve it with what it has left of the budget."""
+        key = first is not None, game.state, game.context
         if key in game.searched:
             return game.searched[key]
         result = search(
             game.task,
-            algorithm,
+            "anytime" if first else "default",
             scorer=game.scorer.starting_at(game.context),
             initial_state=game.state,
             alpha=self.prices.alpha,
-            max_evaluations=self.max_evaluations if algorithm == "anytime" else None,
-            time_limit_s=self.improve_s if algorithm == "anytime" else None,
+            known_plan=first.operators if first else None,
+            max_evaluations=self.max_evaluations - first.evaluations if first else None,
+            time_limit_s=self.improve_s if first else None,
         )
         if result.outcome is Outcome.SOLVED:
             _remember(game.searched, key, result)
@@ -245,9 +266,9 @@ class _LabelledGame:
     def __init__(self, features: TeamFeatures, labeller: Labeller) -> None:
         self.features, self.labeller = features, labeller
         self.problem, self.task = features.team.problem, features.task
-        self.requests = find_requests(self.problem, self.task)
+        self.requests = features.requests
         self.scorer = labeller.scorer(features)
-        self.searched: dict[tuple[str, State, bytes], SearchResult] = {}
+        self.searched: dict[tuple[bool, State, bytes], SearchResult] = {}
         self._objectives: dict[tuple[State, bytes, Actions, float], float] = {}
         self.past: Actions = ()
         self.state = self.task.initial_state

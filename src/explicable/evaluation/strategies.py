@@ -1,7 +1,7 @@
 """The robot's strategies that are compared in closed loop (method page, section 7), each as a planner."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from explicable.evaluation.replanning import (
     Prices,
 )
 from explicable.execution import (
+    Family,
     PersonFilter,
     Planner,
     Proposal,
@@ -59,13 +60,13 @@ def strategies(
     >>> list(strategies(Labeller(nothing_known)))
     ['follower', 'nearest', 'ff', 'explicable', 'learning', 'oracle']
     """
-    grounding = Grounding()
+    grounding, families = Grounding(labeller), builtin_families()
 
     def planner() -> ExplicablePlanner:
         return ExplicablePlanner(labeller, prices, improve_s=improve_s, grounding=grounding)
 
     def learning(setting: Setting, person: SimulatedPerson) -> LearningPlanner:
-        return LearningPlanner(planner(), _guesses(setting, person))
+        return LearningPlanner(planner(), _guesses(setting, person, families))
 
     classical, explicable = ClassicalPlanner(), planner()
     return {
@@ -86,9 +87,9 @@ def play(strategy: Strategy, setting: Setting, person: SimulatedPerson, **option
     return run(setting, planner, person, **options)
 
 
-def _guesses(setting: Setting, person: SimulatedPerson) -> PersonFilter:
+def _guesses(setting: Setting, person: SimulatedPerson, families: Mapping[str, Family]) -> PersonFilter:
     """Return a filter whose guesses come from all families but the person's own."""
-    others = [family for family in builtin_families().values() if f"-{family.name}-" not in person.name]
+    others = [family for family in families.values() if f"-{family.name}-" not in person.name]
     return PersonFilter(setting, others, np.random.default_rng(0))
 
 

@@ -194,6 +194,8 @@ def _best_way(outlook: Outlook, participant: Participant, mind: Mind) -> tuple[i
 
 def forget(setting: Setting, participant: Participant, mind: Mind, rng: "np.random.Generator") -> Mind:
     """Return the mind after a moment in which each inferred fact may have been forgotten."""
+    if not mind.inferred:
+        return mind
     kept, state = [], mind.state
     for atom, value in mind.inferred:
         if rng.random() < participant.memory:

@@ -24,6 +24,7 @@ from explicable.execution.notices import Occurrence
 from explicable.execution.participants import Family, Participant
 from explicable.execution.setting import Setting
 from explicable.model.problem import GroundAtom
+from explicable.model.task import State
 
 if TYPE_CHECKING:
     import numpy as np
@@ -129,12 +130,20 @@ class PersonFilter:
         elif event is Event.STEP_FINISHED:
             for guess in self.guesses:
                 self._think(guess, action)
-                guess.mind = minds.watch(self.setting, guess.mind, action, self._state, after)
+            self._watch(action, after)
         elif event is Event.PERSON_COMMANDED and after != self._state:
             if action in self.setting.belief.requests:
                 self._weigh(lambda guess: self._choices(guess.mind).get(action, self.lapse))
-            for guess in self.guesses:
-                guess.mind = minds.watch(self.setting, guess.mind, action, self._state, after)
+            self._watch(action, after)
+
+    def _watch(self, action: GroundAtom, after: State) -> None:
+        """Let all guesses see a step; many share a mind."""
+        shared = {id(guess.mind): guess.mind for guess in self.guesses}
+        seen = {
+            key: minds.watch(self.setting, mind, action, self._state, after) for key, mind in shared.items()
+        }
+        for guess in self.guesses:
+            guess.mind = seen[id(guess.mind)]
 
     def _think(self, guess: Guess, action: GroundAtom) -> None:
         """Let a guess judge a robot step and perhaps learn from it, as a simulated participant does."""

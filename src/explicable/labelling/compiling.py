@@ -5,7 +5,6 @@ from explicable.labelling.augment import ground_symbol_features
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.learning import Symbols
-from explicable.labelling.templates import feature_code
 
 
 def evidence(model: ConditionalRandomField) -> dict[str, float]:
@@ -32,9 +31,8 @@ def compile_scorer(
     weights, own = [], []
     spoken = evidence(model)
     if symbols == "lifted":
-        schemas = {name: number for number, name in enumerate(team.schemas)}
         for feature, weight in spoken.items():
-            code = feature_code(feature, schemas, team.tables.max_arity)
+            code = team.code(feature)
             if code is not None:
                 weights.append((*code, -weight))
     else:

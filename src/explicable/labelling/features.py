@@ -11,7 +11,16 @@ from functools import cached_property
 
 from explicable import _core
 from explicable.errors import ResourceError
-from explicable.labelling.templates import MAX_ARGUMENTS, NOTHING, PROGRESS, TEMPLATES
+from explicable.labelling.templates import (
+    MAX_ARGUMENTS,
+    NOTHING,
+    PROGRESS,
+    TEMPLATES,
+    FeatureCode,
+    feature_code,
+)
+from explicable.model.problem import GroundAtom
+from explicable.model.requests import Request, find_requests
 from explicable.model.task import State
 from explicable.model.team import TeamTask, agent_kind
 
@@ -45,6 +54,19 @@ class TeamFeatures:
         self.tables = _make_tables(team)
         self._goal = team.task.goal
         self._request_facts = self.tables.request_facts
+        self._codes: dict[str, FeatureCode | None] = {}
+
+    @cached_property
+    def requests(self) -> dict[GroundAtom, Request]:
+        """What each human step asks for, by the step."""
+        return find_requests(self.team.problem, self.task)
+
+    def code(self, feature: str) -> FeatureCode | None:
+        """Return what `feature_code` does for the schemas of this task; it is asked often."""
+        if feature not in self._codes:
+            schemas = {name: number for number, name in enumerate(self.schemas)}
+            self._codes[feature] = feature_code(feature, schemas, self.tables.max_arity)
+        return self._codes[feature]
 
     @cached_property
     def choices(self) -> _core.HumanChoices:

@@ -105,9 +105,11 @@ def explain_feature(feature: str) -> str:
     return template.text.format(*("nothing" if value == NOTHING else value for value in values.split(" ")))
 
 
-def feature_code(
-    feature: str, schemas: Mapping[str, int], max_arity: int
-) -> tuple[int, tuple[int, int, int, int]] | None:
+FeatureCode = tuple[int, tuple[int, int, int, int]]
+"""Number of a feature's template and those of its values, as the compiled core knows them."""
+
+
+def feature_code(feature: str, schemas: Mapping[str, int], max_arity: int) -> FeatureCode | None:
     """Return the number of a feature's template and those of its values, as the compiled core knows them.
 
     Parameters
