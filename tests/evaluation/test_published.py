@@ -1,8 +1,9 @@
-"""docs/results.md says what its records say, and nothing else."""
+"""Every figure that README and docs print comes from a record: pages say what their records say."""
 
 import json
 import lzma
 import re
+import runpy
 import shutil
 from pathlib import Path
 
@@ -13,7 +14,9 @@ from explicable.evaluation.page import render_markdown
 from explicable.evaluation.results import make_page
 from explicable.evaluation.runner import read_records
 
-DOCS = Path(__file__).parents[2] / "docs"
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+BENCHMARKS = ROOT / "benchmarks"
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
@@ -35,3 +38,40 @@ def test_every_question_is_answered_in_the_results():
     published = (DOCS / "results.md").read_text()
     for experiment in builtin_experiments():
         assert f"## {experiment.question}\n" in published
+
+
+def test_benchmark_pages_follow_from_their_records(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    page = tmp_path / "benchmarks.md"
+    write_page = runpy.run_path(BENCHMARKS / "page.py")["write_page"]
+    write_page(BENCHMARKS / "records" / "benchmarks.jsonl", BENCHMARKS / "notes.md", page)
+    assert page.read_text() == (DOCS / "benchmarks.md").read_text()
+    closed_loop = runpy.run_path(BENCHMARKS / "closed_loop.py")
+    made = "\n".join(closed_loop["page"](*closed_loop["read"](closed_loop["RECORDS"]))) + "\n"
+    assert made == (DOCS / "closed-loop.md").read_text()
+
+
+MEASURED = re.compile(
+    r"(?<!at most )(?<![\d.])\d[\d.]* ?(ms|µs|microseconds|milliseconds|[KMG]i?B|labels/s)\b"  # times, sizes
+    r"|\d (\w+ )?a second\b|\d times\b|\d \[-?\d|\bn = \d"  # rates, ratios, intervals
+    r"|(?<![\w./])[-+]?0\.\d\d+\b"  # shares
+)
+RECORD = re.compile(r"(?:benchmarks/)?records(?:/[\w.-]+)?|results\.md|benchmarks\.md|closed-loop\.md")
+MADE = {DOCS / name for name in ("results.md", "benchmarks.md", "closed-loop.md")}
+"""Pages that are made from records as a whole, see above."""
+QUOTED = {"## 8. Slips in the paper, for the record"}
+"""Figures that others have published."""
+
+
+@pytest.mark.parametrize(
+    "page", [ROOT / "README.md", *sorted(set(DOCS.glob("*.md")) - MADE)], ids=lambda path: path.name
+)
+def test_what_measures_something_names_its_records(page):
+    """Section by section; examples (code, and what it prints) aside."""
+    text = re.sub(r"```.*?```|`--[^`]*`", "", page.read_text(), flags=re.DOTALL)
+    for section in re.split(r"(?m)^(?=## )", text):
+        lines = [line for line in section.splitlines() if not line.startswith(">") and MEASURED.search(line)]
+        if lines and section.splitlines()[0] not in QUOTED:
+            named = RECORD.findall(section)
+            assert named, lines
+            assert all((ROOT / name).exists() or (DOCS / name).exists() for name in named), named
