@@ -18,7 +18,7 @@ from explicable.study.words import Language
 
 Phase = Literal["question", "moving", "waiting", "over"]
 
-_MOST_DRAWN = 20_000
+_MOST_DRAWN = 10_000
 
 
 class CommandView(BaseModel):
