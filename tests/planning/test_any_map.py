@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from explicable.errors import MapError
-from explicable.first_response import encode, parse_map, render
+from explicable.first_response import encode, generate, parse_map, render
 from explicable.model.grounding import ground_team
-from explicable.planning import plan_classically, plan_explicably
+from explicable.planning import objective, plan_classically, plan_explicably
 from planning.floors import PATIENCE_S, judge_of_progress
 
 
@@ -59,3 +59,14 @@ def test_any_map_is_drawn_and_planned(size, semantics):
     ):
         walk(world, found.plan.actions, semantics)
         assert render(world, view="robot", plan=found.plan.actions).startswith("<svg")
+
+
+@pytest.mark.parametrize("seed", [2, 3, 6, 8])
+def test_the_explicable_plan_is_never_worse_than_one_made_without_regard_to_the_person(seed):
+    world = generate(np.random.default_rng(seed), height=8, width=8, num_marks=5)
+    team, labeller = ground_team(encode(world)), judge_of_progress()
+    plain = plan_classically(team, labeller=labeller)
+    first = plan_explicably(team, labeller, improve_s=0)
+    enough = first.evaluations + plain.evaluations + 1  # to find both, and no time to improve them
+    found = plan_explicably(team, labeller, improve_s=PATIENCE_S, max_evaluations=enough)
+    assert found.objective <= objective(plain.plan, plain.labelled, 1.0) + 1e-9

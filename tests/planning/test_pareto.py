@@ -130,11 +130,11 @@ def test_a_known_plan_is_begun_with_and_must_be_one(maze):
     team, labeller = maze
     task, scorer = team.task, labeller.scorer(team)
     plan = search(task, "astar").operators
-    result = search(task, "anytime", scorer=scorer, alpha=2.0, known_plan=plan, max_evaluations=0)
+    result = search(task, "anytime", scorer=scorer, alpha=2.0, known_plans=[plan], max_evaluations=0)
     assert result.operators == plan
     for wrong in (plan[:-1], plan[1:], (*plan, task.num_operators), (-1,)):
         with pytest.raises(UsageError):
-            search(task, "anytime", scorer=scorer, known_plan=wrong)
+            search(task, "anytime", scorer=scorer, known_plans=[wrong])
 
 
 @pytest.mark.parametrize(

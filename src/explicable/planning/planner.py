@@ -30,6 +30,7 @@ from explicable.search import (
 
 if TYPE_CHECKING:  # planning without a labeller starts without NumPy
     from explicable.labelling import LabelledPlan, Labeller
+    from explicable.labelling.features import TeamFeatures
     from explicable.planning.predictions import HumanModel, PredictedSteps
 
 
@@ -138,8 +139,9 @@ def plan_explicably(
     """Plan steps that the person will find sensible: by Eq. 4, then improving ``J`` (Eq. 3).
 
     At goal states the heuristic of Eq. 4 is zero, whatever was inexplicable on the way: it steers the search
-    but does not choose the plan. Hence the second part, which goes on for a better ``J``, until the least is
-    proved or the time is up: ``lower_bound`` says which.
+    but does not choose the plan. Hence the second part, which begins with the better of that plan and one
+    made without regard to the person, and goes on for a better ``J``, until the least is proved or the time
+    is up: ``lower_bound`` says which.
 
     Parameters
     ----------
@@ -196,31 +198,32 @@ def plan_explicably(
         limit_s = improve_s if time_limit_s is None else min(improve_s, time_limit_s)
         first = _cheapest(team_task, max_cost, limit_s, options)
     results = [first]
-    if results[0].outcome is Outcome.SOLVED:
-        left_s = math.inf if time_limit_s is None else max(time_limit_s - results[0].search_s, 0.0)
-        if max_evaluations is not None:
-            options["max_evaluations"] = max(max_evaluations - results[0].evaluations, 0)
-        if min(improve_s, left_s) > 0 and options["max_evaluations"] != 0:
-            limit_s = min(improve_s, left_s)
-            # J is by expectation, whatever led to the first plan.
-            if not expected:
-                options["scorer"] = labeller.scorer(
-                    features, choice_model=choice_model, charge=human_step_weight
-                )
+    left_s = improve_s if time_limit_s is None else min(improve_s, time_limit_s - first.search_s)
+    if first.outcome is Outcome.SOLVED and left_s > 0:
+        # J is by expectation, whatever led to the first plan.
+        if not expected:
+            options["scorer"] = labeller.scorer(features, choice_model=choice_model, charge=human_step_weight)
+        if max_cost is None:
+            options["max_evaluations"] = _left(max_evaluations, results)
+            results.append(_careless(team_task, left_s * _SHARE_OF_CARELESS, options))
+        left_s -= sum(result.search_s for result in results[1:])
+        options["max_evaluations"] = _left(max_evaluations, results)
+        if left_s > 0 and options["max_evaluations"] != 0 and results[-1].outcome is not Outcome.INTERRUPTED:
+            known_plans = [result.operators for result in results if result.operators is not None]
             results.append(
                 search(
                     team_task.task,
                     "anytime",
-                    known_plan=results[0].operators,
+                    known_plans=known_plans,
                     max_cost=max_cost,
-                    time_limit_s=limit_s,
+                    time_limit_s=left_s,
                     gap=gap,
                     on_better=on_better,
                     **options,
                 )
             )
     charged = (human_model, human_step_weight) if human_model else None
-    return _team_plan(team_task, results, labeller, alpha, charged)
+    return _team_plan(team_task, results, labeller, alpha, charged, features)
 
 
 def plan_as_in_paper(
@@ -251,6 +254,24 @@ def plan_as_in_paper(
     )
 
 
+def _careless(team_task: TeamTask, limit_s: float, options: "_Options") -> SearchResult:
+    """Search for a plan without regard to the person: what is improved should be no worse than that."""
+    found = search(
+        team_task.task,
+        seed=options["seed"],
+        memory_limit_bytes=options["memory_limit_bytes"],
+        max_evaluations=options["max_evaluations"],
+        time_limit_s=limit_s,
+    )
+    return replace(found, is_optimal=False, lower_bound=0.0)  # of J nothing is known
+
+
+def _left(max_evaluations: int | None, before: Sequence[SearchResult]) -> int | None:
+    if max_evaluations is None:
+        return None
+    return max(max_evaluations - sum(result.evaluations for result in before), 0)
+
+
 def _cheapest(team_task: TeamTask, max_cost: int, limit_s: float, options: "_Options") -> SearchResult:
     """Search for the cheapest plan; a dearer one than is allowed counts as none."""
     found = search(
@@ -264,6 +285,10 @@ def _cheapest(team_task: TeamTask, max_cost: int, limit_s: float, options: "_Opt
     if found.cost is None or found.cost <= max_cost:
         return replace(found, is_optimal=False)  # of the cost alone
     return replace(found, outcome=Outcome.LIMIT, operators=None, cost=None, objective=None)
+
+
+_SHARE_OF_CARELESS = 0.25
+"""Of the time for the improvement: at most so much for a plan without regard to the person."""
 
 
 class _Options(TypedDict):
@@ -299,6 +324,7 @@ def _team_plan(
     labeller: "Labeller | None",
     alpha: float = 0.0,
     charged: "tuple[HumanModel, float] | None" = None,
+    features: "TeamFeatures | None" = None,
 ) -> TeamPlan:
     """Choose the best of several searches' plans by ``J``."""
     chosen: tuple[float, JointPlan, LabelledPlan | None, PredictedSteps | None] | None = None
@@ -306,7 +332,7 @@ def _team_plan(
         if result.operators is not None:
             actions = tuple(team_task.task.action(operator) for operator in result.operators)
             plan = joint_plan(team_task, actions, sum(map(team_task.task.cost, result.operators)))
-            labelled = labeller.label(team_task, actions) if labeller else None
+            labelled = labeller.label(features or team_task, actions) if labeller else None
             value = objective(plan, labelled, alpha)
             predicted = None
             if charged is not None:

@@ -37,7 +37,7 @@ def search(
     alpha: float = 0.0,
     distance: Distance = "count",
     max_cost: int | None = None,
-    known_plan: Sequence[int] | None = None,
+    known_plans: Sequence[Sequence[int]] = (),
     gap: float = 0.0,
     on_better: Callable[[float], None] | None = None,
 ) -> SearchResult:
@@ -99,8 +99,8 @@ def search(
     max_cost
         Of ``"anytime"`` with a scorer: dearer plans are not considered; the bound and the proof are of those
         that are left. A cheap plan should be known then, since the search for a first one heeds no costs.
-    known_plan
-        Of ``"anytime"``: a plan, as operators, to begin with instead of a search for a first one.
+    known_plans
+        Of ``"anytime"``: plans, as operators; the best is begun with instead of a search for a first one.
     gap
         Of ``"anytime"`` with a scorer: enough is proved once no plan can be better by more than this share of
         the objective. 0: until the best plan is proved.
@@ -148,7 +148,7 @@ def search(
         return _UNREACHABLE
     if memory_limit_bytes is None:
         memory_limit_bytes = task.search_memory_bytes
-    known_plans = [] if known_plan is None else [_whole(task, known_plan, initial_state, goal_facts)]
+    whole_plans = [_whole(task, plan, initial_state, goal_facts) for plan in known_plans]
     try:
         with held_interrupt() as interrupt:
             answer = _core.search(
@@ -166,7 +166,7 @@ def search(
                 alpha=alpha,
                 ratio=distance == "ratio",
                 max_cost=max_cost,
-                known_plans=known_plans,
+                known_plans=whole_plans,
                 gap=gap,
                 on_better=on_better,
                 interrupted=interrupt.is_pending,
