@@ -6,7 +6,7 @@ import pytest
 
 from explicable.errors import UsageError
 from explicable.model.grounding import ground_team
-from explicable.planning import plan_classically
+from explicable.planning import explanation, plan_classically
 from explicable.planning.differences import FactDifference, find_differences
 from explicable.planning.explanation import Finding, explain, tell
 from planning.floors import DETOUR, PATIENCE_S, command, floor, judge_of_progress, moves, visit
@@ -80,3 +80,12 @@ def test_a_step_that_nothing_explains_and_one_that_there_is_no_time_for():
 def test_options_without_meaning_are_refused(options):
     with pytest.raises(UsageError):
         explain(floor(DETOUR), judge_of_progress(), LONG, **options)
+
+
+def test_out_of_time_nothing_is_searched_for_any_more(monkeypatch):
+    def refuse(*_arguments, **_options):
+        raise AssertionError("the time was up")
+
+    monkeypatch.setattr(explanation, "search", refuse)
+    late = explain(floor(DETOUR), judge_of_progress(), LONG, time_limit_s=-1.0)
+    assert [step.number for step in late if step.finding is Finding.LIMIT] == [2]

@@ -8,6 +8,7 @@ the order of their size, all of one size before the next.
 
 import itertools
 import time
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -173,8 +174,22 @@ class _Counsel:
         self.labelled = labelled
         self.deadline = deadline
         self.differences = find_differences(team_task.problem)
+        self._about: defaultdict[str, list[int]] = defaultdict(list)  # numbers of differences, by object
+        for number, difference in enumerate(self.differences):
+            for name in difference.names:
+                self._about[name].append(number)
         self.believed = watch(team_task, labelled.actions).states
         self._answers: dict[frozenset[Difference], tuple[float, ...]] = {}
+
+    def most_relevant_first(self, touched: set[str]) -> list[Difference]:
+        """Order differences by how much of what they are about is among some objects and actions."""
+        shares: defaultdict[int, float] = defaultdict(float)
+        for name in touched:
+            for number in self._about.get(name, ()):
+                shares[number] += 1.0 / len(self.differences[number].names)
+        relevant = sorted(shares, key=lambda number: (-shares[number], number))
+        rest = (one for number, one in enumerate(self.differences) if number not in shares)
+        return [*(self.differences[number] for number in relevant), *rest]
 
     def probabilities(self, told: tuple[Difference, ...]) -> tuple[float, ...] | None:
         """Return how probably each step is expected after telling; None if the time is up."""
@@ -222,15 +237,16 @@ def _most_relevant_first(counsel: _Counsel, number: int) -> list[Difference]:
     """Order differences by how much of what they are about belongs to the step or to the way expected."""
     mental = counsel.team_task.mental
     touched = set(counsel.labelled.actions[number])
-    for action in _expected_way(mental, counsel.believed[number]):
+    for action in _expected_way(mental, counsel.believed[number], counsel.deadline - time.monotonic()):
         touched.update(action)
-    return sorted(
-        counsel.differences,
-        key=lambda difference: -len(difference.names & touched) / max(len(difference.names), 1),
+    return counsel.most_relevant_first(touched)
+
+
+def _expected_way(mental: Task, state: State, left_s: float) -> Iterator[GroundAtom]:
+    """Guess what the person expects from here: any plan of the mental task, if there is time to find one."""
+    if left_s <= 0:
+        return
+    result = search(
+        mental, "lazy", initial_state=state, max_evaluations=_WAY_EVALUATIONS, time_limit_s=left_s
     )
-
-
-def _expected_way(mental: Task, state: State) -> Iterator[GroundAtom]:
-    """Guess what the person expects from here: any plan of the mental task."""
-    result = search(mental, "lazy", initial_state=state, max_evaluations=_WAY_EVALUATIONS)
     yield from map(mental.action, result.operators or ())
