@@ -100,3 +100,27 @@ def test_a_plan_short_of_the_goal_is_scheduled_with_a_warning(team, tmp_path, ca
     capsys.readouterr()
     assert run([*team, "short.plan"]) == 0
     assert "warning: short.plan: the plan does not reach the goal" in capsys.readouterr().err
+
+
+def test_what_a_plan_tells_is_scheduled_too(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "detour.map").write_text("@x*\n...\n")
+    assert run(["first-response", "encode", "detour.map", "-o", "."]) == 0
+    human = ["--human-domain", "human-domain.pddl", "--human-problem", "human-problem.pddl"]
+    schedule = ["schedule", "domain.pddl", "problem.pddl", *human]
+    told = "(command person c-0-2)\n(tell r1 clear c-0-1 does not hold)\n(move r1 c-0-0 c-1-0)\n"
+    (tmp_path / "told.plan").write_text(told)
+    (tmp_path / "durations.toml").write_text("[schemas]\ntell = 4\n")
+    capsys.readouterr()
+    assert run([*schedule, "told.plan", "--durations", "durations.toml", "--svg", "s.svg"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1:] == [
+        "1.000: (tell r1 clear c-0-1 does not hold) [4.000]",
+        "5.000: (move r1 c-0-0 c-1-0) [1.000]",
+        "; makespan = 6",
+    ]
+    # It stands with the robot that tells, and with the person who listens.
+    assert (tmp_path / "s.svg").read_text().count("1 to 5: (tell r1 clear c-0-1 does not hold)") == 2
+    (tmp_path / "told.plan").write_text(told.replace("does not hold", "holds"))
+    assert run([*schedule, "told.plan"]) == 3
+    assert "told.plan:2: 'clear c-0-1 holds' is no difference" in capsys.readouterr().err

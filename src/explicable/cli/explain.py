@@ -15,6 +15,7 @@ from explicable.cli.files import (
     naming_plan,
     read_steps,
     team_problem_arguments,
+    warn,
 )
 from explicable.cli.outcomes import exit_code
 from explicable.cli.prices import HumanSteps, human_step_options
@@ -106,6 +107,13 @@ def describe_step(step: "StepExplanation") -> dict[str, Any]:
     help="Most differences that are tried together.",
 )
 @click.option(
+    "--max-sets",
+    type=click.IntRange(min=1),
+    default=64,
+    show_default=True,
+    help="Most sets of differences that are tried: a mental model is grounded for each.",
+)
+@click.option(
     "--time-limit", type=FiniteRange(min=0), default=10.0, show_default=True, help="Seconds for it all."
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Breaks ties.")
@@ -118,6 +126,7 @@ def tell(
     telling_cost: float,
     human_steps: HumanSteps,
     max_told: int,
+    max_sets: int,
     time_limit: float,
     seed: int,
     output: Path | None,
@@ -138,6 +147,7 @@ def tell(
             alpha=alpha,
             telling_cost=telling_cost,
             max_told=max_told,
+            max_sets=max_sets,
             time_limit_s=time_limit,
             human_model=human_steps.model(),
             human_step_weight=human_steps.weight,
@@ -150,6 +160,10 @@ def print_told(result: "ToldPlan", output: Path | None, *, as_json: bool) -> int
     """Print a plan that may tell, or write it to a file; return the exit code."""
     from explicable.model.files import write_whole
 
+    if not result.is_complete:
+        warn(
+            "not all that could be told was tried: `tell` with a larger --max-sets or --time-limit tries more"
+        )
     lines = () if result.plan is None else (*result.lines, f"; cost = {result.plan.cost}")
     text = "".join(f"{line}\n" for line in lines)
     if output and text:

@@ -18,6 +18,7 @@ from explicable.model.team import TeamProblem
 if TYPE_CHECKING:
     from explicable.labelling import Labeller, Trace
     from explicable.model.team import TeamTask
+    from explicable.planning import Telling
 
 INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 OUTPUT_FILE = click.Path(dir_okay=False, path_type=Path)
@@ -149,7 +150,9 @@ def load_labeller(path: Path, problem: TeamProblem) -> "Labeller":
 
 def read_steps(path: Path, problem: TeamProblem) -> tuple[GroundAtom, ...]:
     """Read a plan for a problem; leave out what it tells the person (`explicable tell`), with a warning."""
-    actions, telling = read_plan(path), _telling(problem)
+    from explicable.planning.tellings import telling_schema
+
+    actions, telling = read_plan(path), telling_schema(problem)
     steps = tuple(action for action in actions if action[0] != telling)
     if left_out := len(actions) - len(steps):
         warn(f"{path}: tellings left out: {left_out}; the person is taken to be told nothing")
@@ -158,14 +161,22 @@ def read_steps(path: Path, problem: TeamProblem) -> tuple[GroundAtom, ...]:
 
 def find_line(path: Path, step: int, problem: TeamProblem) -> int | None:
     """Give the line in which a step of `read_steps` stands; steps and lines from 1."""
-    return find_step(path, step, without=_telling(problem))
+    from explicable.planning.tellings import telling_schema
+
+    return find_step(path, step, without=telling_schema(problem))
 
 
-def _telling(problem: TeamProblem) -> str | None:
-    """Return how a plan's steps begin that tell the person something; None where a domain means its own."""
-    models = (problem.robot, problem.mental)
-    is_own = any(schema.name == "tell" for model in models for schema in model.domain.actions)
-    return None if is_own else "tell"
+def read_told_steps(path: Path, problem: TeamProblem) -> "tuple[tuple[GroundAtom, ...], tuple[Telling, ...]]":
+    """Read a plan for a problem, and what it tells the person."""
+    from explicable.planning.tellings import part_tellings
+
+    try:
+        return part_tellings(problem, read_plan(path))
+    except PlanError as error:
+        error.path = path
+        if error.step is not None:
+            error.line, error.step = find_step(path, error.step), None
+        raise
 
 
 @contextmanager

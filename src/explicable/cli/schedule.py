@@ -12,16 +12,18 @@ from explicable.cli.files import (
     OUTPUT_FILE,
     FiniteRange,
     TeamProblemPaths,
-    naming,
+    naming_plan,
+    read_told_steps,
     team_problem_arguments,
     warn,
 )
 from explicable.cli.outcomes import failure_code
-from explicable.errors import InputError, PlanError
+from explicable.errors import InputError
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
-    from explicable.labelling import LabelledPlan
+    from collections.abc import Sequence
+
     from explicable.model.durations import Durations
     from explicable.model.schedule import Schedule
     from explicable.model.team import TeamProblem, TeamTask
@@ -73,7 +75,6 @@ def schedule(
     from explicable.model.durations import Durations, read_durations
     from explicable.model.files import write_whole
     from explicable.model.grounding import ground_team
-    from explicable.model.plan import read_plan
     from explicable.model.schedule import format_schedule
     from explicable.planning import check_alpha, plan_schedule, schedule_plan
 
@@ -92,14 +93,17 @@ def schedule(
             team_task, durations, labeller=labeller, alpha=alpha, time_limit_s=time_limit, seed=seed
         )
     else:
-        with naming(plan_file, PlanError):
-            result = schedule_plan(team_task, read_plan(plan_file), durations, labeller=labeller, alpha=alpha)
+        with naming_plan(plan_file, team_task.problem):
+            actions, tellings = read_told_steps(plan_file, team_task.problem)
+            result = schedule_plan(
+                team_task, actions, durations, labeller=labeller, alpha=alpha, tellings=tellings
+            )
         if result.schedule is not None and not _reaches_goal(result.schedule, team_task):
             warn(f"{plan_file}: the plan does not reach the goal")
     if result.schedule is not None and output:
         write_whole(output, format_schedule(result.schedule))
     if result.schedule is not None and svg_file:
-        write_whole(svg_file, _draw(result.schedule, result.labelled, team_task.problem))
+        write_whole(svg_file, _draw(result.schedule, result.probabilities, team_task.problem))
     if as_json:
         click.echo(json.dumps(describe(result, team_task)))
     elif result.schedule is None:
@@ -115,7 +119,6 @@ def describe(result: "ScheduledPlan", team_task: "TeamTask") -> dict[str, Any]:
     record: dict[str, Any] = {"outcome": result.outcome.value, "schedule": None}
     if schedule is None:
         return record
-    probabilities = labelled.probabilities if labelled else [None] * len(schedule.steps)
     record["schedule"] = [
         {
             "start": scheduled.start,
@@ -125,7 +128,7 @@ def describe(result: "ScheduledPlan", team_task: "TeamTask") -> dict[str, Any]:
             "after": scheduled.after,
             "explicable": probability,
         }
-        for scheduled, probability in zip(schedule.steps, probabilities, strict=True)
+        for scheduled, probability in zip(schedule.steps, result.probabilities, strict=True)
     ]
     return record | {
         "makespan": schedule.makespan,
@@ -144,19 +147,22 @@ def _reaches_goal(schedule: "Schedule", team_task: "TeamTask") -> bool:
 
 def _check_names(durations: "Durations", problem: "TeamProblem", path: Path) -> None:
     """Refuse durations of what no agent can do: they would change nothing, and nobody would notice."""
+    from explicable.planning.tellings import telling_schema
+
     schemas = {action.name for action in problem.composite.domain.actions}
+    schemas |= {telling} if (telling := telling_schema(problem)) else set()
     for name in (*durations.schemas, *(action[0] for action in durations.actions)):
         if name not in schemas:
             known = ", ".join(sorted(schemas))
             raise InputError(f"there is no action {name}, only {known}", path=path)
 
 
-def _draw(schedule: "Schedule", labelled: "LabelledPlan | None", problem: "TeamProblem") -> str:
+def _draw(schedule: "Schedule", probabilities: "Sequence[float | None]", problem: "TeamProblem") -> str:
     from explicable.planning.gantt import draw_schedule
 
     return draw_schedule(
         schedule,
         people=[agent.name for agent in problem.agents if agent.kind == "human"],
-        probabilities=labelled.probabilities if labelled else None,
+        probabilities=probabilities,
         title=f"makespan {schedule.makespan:g}",
     )

@@ -91,6 +91,10 @@ class Dispatcher:
             raise UsageError(
                 f"each agent needs one robot: {', '.join(sorted(missing)) or 'a name is used twice'}"
             )
+        if any(step.listeners for step in schedule.steps):
+            raise UsageError(
+                "a schedule that tells people something can't be sent: robots have no order for it"
+            )
         self.course = Course(setting, at_once=True)
         self._truth, self._setting, self._replan = setting.truth, setting, replan
         self._limits, self._clock, self._pause = limits or DispatchLimits(), clock, pause

@@ -9,7 +9,8 @@ only
 3. the last word: of two steps, one adding and one deleting the same fact, the order stays, so that every
    order ends in the same state, not only in a goal state;
 4. conditional effects: a step stays on its side of whatever writes a fact that they look at;
-5. one step at a time for each agent.
+5. one step at a time for each agent;
+6. who is told something knows it from then on: whatever follows the telling in the plan waits for its end.
 
 The first two are explanation-based order generalisation (Kambhampati & Kedar, "A unified framework for
 explanation-based generalization of partially ordered and partially instantiated plans", Artificial
@@ -21,7 +22,7 @@ within their duration they read and write: preconditions hold from start to end.
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from explicable.model.durations import Durations
 from explicable.model.plan import Step, format_action
@@ -42,12 +43,15 @@ class ScheduledStep:
         In the unit of the durations.
     after
         Numbers of the steps that must have ended before this one starts, without those that others imply.
+    listeners
+        The people who are told something by it, and do nothing else meanwhile; empty for an action.
     """
 
     step: Step
     start: float
     duration: float
     after: tuple[int, ...]
+    listeners: tuple[str, ...] = ()
 
     @property
     def end(self) -> float:
@@ -83,13 +87,14 @@ class Schedule:
 
     @property
     def actions(self) -> tuple[GroundAtom, ...]:
-        """The actions by start time."""
-        return tuple(scheduled.step.action for scheduled in self.steps)
+        """The actions by start time; to tell something is none."""
+        return tuple(scheduled.step.action for scheduled in self.steps if not scheduled.listeners)
 
     @property
     def agents(self) -> tuple[str, ...]:
-        """Who acts, in the order of their first steps."""
-        return tuple(dict.fromkeys(scheduled.step.agent for scheduled in self.steps))
+        """Who acts or listens, in the order of their first steps."""
+        busy = (name for scheduled in self.steps for name in (scheduled.step.agent, *scheduled.listeners))
+        return tuple(dict.fromkeys(busy))
 
     @property
     def critical_path(self) -> tuple[int, ...]:
@@ -102,12 +107,12 @@ class Schedule:
         return tuple(reversed(path))
 
     def linearisations(self) -> Iterator[tuple[GroundAtom, ...]]:
-        """Give every order that keeps the partial order; there can be very many."""
+        """Give every order of the actions that keeps the partial order; there can be very many."""
         yield from self._extend((), frozenset())
 
     def _extend(self, done: tuple[int, ...], known: frozenset[int]) -> Iterator[tuple[GroundAtom, ...]]:
         if len(done) == len(self.steps):
-            yield tuple(self.steps[number].step.action for number in done)
+            yield tuple(self.steps[number].step.action for number in done if not self.steps[number].listeners)
         for number, scheduled in enumerate(self.steps):
             if number not in known and known.issuperset(scheduled.after):
                 yield from self._extend((*done, number), known | {number})
@@ -119,6 +124,8 @@ def make_schedule(
     actions: Sequence[GroundAtom],
     durations: Durations | None = None,
     state: State | None = None,
+    *,
+    tellings: Sequence[tuple[int, Step]] = (),
 ) -> Schedule:
     """Deorder a sequential plan and start every step as soon as it can.
 
@@ -134,6 +141,9 @@ def make_schedule(
         By default 1 each.
     state
         Where it begins; by default the initial state.
+    tellings
+        Steps by which an agent tells all people something, in order, each with the number of the action
+        before which it comes. They occupy who tells and who listens.
 
     Raises
     ------
@@ -142,29 +152,17 @@ def make_schedule(
     """
     durations = durations or Durations()
     execution = task.execute(actions, state)
-    steps = [Step(problem.agent_of(action).name, action) for action in actions]
-    order = _Deordering(task.core.true_facts(execution.states[0]))
-    starts: list[float] = []
-    ends: list[float] = []
-    after: list[set[int]] = []
-    for number, (operator, step) in enumerate(zip(execution.operators, steps, strict=True)):
+    people = tuple(agent.name for agent in problem.agents if agent.kind == "human") if tellings else ()
+    order = _Deordering(task.core.true_facts(execution.states[0]), durations)
+    pending = list(tellings)
+    for number, (operator, action) in enumerate(zip(execution.operators, actions, strict=True)):
+        while pending and pending[0][0] <= number:
+            order.tell(pending.pop(0)[1], people)
         use = fact_use(task, execution.states[number], operator)
-        before = order.take(number, use, step.agent, ends)
-        starts.append(max((ends[other] for other in before), default=0.0))
-        ends.append(starts[-1] + durations.of(step.action))
-        after.append(before)
-    by_start = sorted(range(len(steps)), key=lambda number: (starts[number], number))
-    place = {number: rank for rank, number in enumerate(by_start)}
-    reduced = _without_shortcuts([{place[other] for other in after[number]} for number in by_start])
-    return Schedule(
-        tuple(
-            ScheduledStep(
-                steps[number], starts[number], ends[number] - starts[number], reduced[place[number]]
-            )
-            for number in by_start
-        ),
-        max(ends, default=0.0),
-    )
+        order.act(Step(problem.agent_of(action).name, action), use)
+    for _, telling in pending:
+        order.tell(telling, people)
+    return order.schedule()
 
 
 def format_schedule(schedule: Schedule) -> str:
@@ -185,9 +183,12 @@ def format_schedule(schedule: Schedule) -> str:
 
 
 class _Deordering:
-    """For each fact, who has used it so far; steps by number."""
+    """The steps so far, each as early as it can start, and for each fact who has used it; by number."""
 
-    def __init__(self, initial: Iterable[int]) -> None:
+    def __init__(self, initial: Iterable[int], durations: Durations) -> None:
+        self.durations = durations
+        self.steps: list[ScheduledStep] = []
+        self.after: list[set[int]] = []
         self.since_start = set(initial)  # true, and never deleted
         self.producers: defaultdict[int, list[int]] = defaultdict(list)  # since it was last deleted
         self.readers: defaultdict[int, list[int]] = defaultdict(list)
@@ -195,21 +196,44 @@ class _Deordering:
         self.adders: defaultdict[int, list[int]] = defaultdict(list)
         self.deleters: defaultdict[int, list[int]] = defaultdict(list)
         self.agents: dict[str, int] = {}
+        self.last_telling: set[int] = set()
 
-    def take(self, number: int, use: "FactUse", agent: str, ends: Sequence[float]) -> set[int]:
-        """Append a step; return the steps that must be done before it."""
-        before = {self.agents[agent]} if agent in self.agents else set()
+    def act(self, step: Step, use: "FactUse") -> None:
+        """Append an action."""
+        before = set[int]()
         for fact in use.needs - self.since_start:
-            before.add(min(self.producers[fact], key=lambda producer: ends[producer]))
+            before.add(min(self.producers[fact], key=lambda producer: self.steps[producer].end))
         for fact in use.looks_at:
             before.update(self.adders[fact], self.deleters[fact])
         for fact in use.adds:
             before.update(self.deleters[fact], self.watchers[fact])
         for fact in use.deletes:
             before.update(self.adders[fact], self.readers[fact], self.watchers[fact])
-        self._note(number, use)
-        self.agents[agent] = number
-        return before
+        self._note(len(self.steps), use)
+        self._append(step, before)
+
+    def tell(self, step: Step, listeners: tuple[str, ...]) -> None:
+        """Append a step that tells people something."""
+        self._append(step, set(), listeners)
+        self.last_telling = {len(self.steps) - 1}
+
+    def schedule(self) -> Schedule:
+        """Give the steps by start time."""
+        by_start = sorted(range(len(self.steps)), key=lambda number: (self.steps[number].start, number))
+        place = {number: rank for rank, number in enumerate(by_start)}
+        reduced = _without_shortcuts([{place[other] for other in self.after[number]} for number in by_start])
+        steps = (
+            replace(self.steps[number], after=after) for number, after in zip(by_start, reduced, strict=True)
+        )
+        return Schedule(tuple(steps), max((step.end for step in self.steps), default=0.0))
+
+    def _append(self, step: Step, before: set[int], listeners: tuple[str, ...] = ()) -> None:
+        busy = (step.agent, *listeners)
+        before |= self.last_telling | {self.agents[name] for name in busy if name in self.agents}
+        start = max((self.steps[other].end for other in before), default=0.0)
+        self.agents |= dict.fromkeys(busy, len(self.steps))
+        self.after.append(before)
+        self.steps.append(ScheduledStep(step, start, self.durations.of(step.action), (), listeners))
 
     def _note(self, number: int, use: "FactUse") -> None:
         for fact in use.needs:

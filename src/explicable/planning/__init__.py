@@ -1,7 +1,8 @@
 """Where search meets labelling: planning with regard to what the person expects.
 
 =========  ==========================================================================================
-plans      `planner` (the paper's Eq. 3 and 4), `pareto` (the front), `budgets`, `ranking`, `telling`
+plans      `planner` (the paper's Eq. 3 and 4), `pareto` (the front), `budgets`, `ranking`
+telling    `telling` searches with the `listener`; `tellings` in plans and plan files
 schedules  `makespan` with `relaxed_times` and `gantt`: steps that overlap
 measures   `measures` calls `distances`, `observer` (with `beliefs`) and `predictions` of what people do
 why        `explanation` by `differences` of the two models, told by `correction`; `schemas` for both
@@ -34,7 +35,8 @@ if TYPE_CHECKING:
     )
     from explicable.planning.predictions import HumanModel, PredictedSteps
     from explicable.planning.ranking import RankedPlan, rank
-    from explicable.planning.telling import Telling, ToldPlan, conform_or_explain
+    from explicable.planning.telling import ToldPlan, conform_or_explain
+    from explicable.planning.tellings import Telling, part_tellings
 
 _HOMES = {
     "Comparison": "differences",
@@ -48,7 +50,7 @@ _HOMES = {
     "ScheduledPlan": "makespan",
     "StepExplanation": "explanation",
     "TeamPlan": "planner",
-    "Telling": "telling",
+    "Telling": "tellings",
     "ToldPlan": "telling",
     "check_alpha": "planner",
     "choose": "budgets",
@@ -61,6 +63,7 @@ _HOMES = {
     "joint_plan": "planner",
     "measure": "measures",
     "objective": "planner",
+    "part_tellings": "tellings",
     "plan_as_in_paper": "planner",
     "plan_classically": "planner",
     "plan_explicably": "planner",
@@ -96,6 +99,7 @@ __all__ = [
     "joint_plan",
     "measure",
     "objective",
+    "part_tellings",
     "plan_as_in_paper",
     "plan_classically",
     "plan_explicably",

@@ -67,4 +67,4 @@ def schedule_objective(schedule: Schedule, labelled: "LabelledPlan | None", alph
     """Return ``makespan + alpha * E[number of inexplicable steps]``."""
     if labelled is None or labelled.scores.f_expected is None:
         return schedule.makespan
-    return schedule.makespan + alpha * len(schedule.steps) * (1.0 - labelled.scores.f_expected)
+    return schedule.makespan + alpha * len(schedule.actions) * (1.0 - labelled.scores.f_expected)

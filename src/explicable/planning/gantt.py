@@ -25,7 +25,8 @@ def draw_schedule(
     """Draw a schedule as a Gantt chart.
 
     Steps on the critical path have a heavy frame. Robots' steps are blue where they are probably explicable,
-    orange and dashed where they are probably not, and grey without labels. People's steps are yellow.
+    orange and dashed where they are probably not, and grey without labels. People's steps are yellow. What is
+    told stands with the robot that tells and with all who listen.
 
     Parameters
     ----------
@@ -80,7 +81,9 @@ def draw_schedule(
     for place, (step, box) in enumerate(zip(schedule.steps, boxes, strict=True)):
         is_person = step.step.agent in people
         probability = None if probabilities is None or is_person else probabilities[place]
-        parts += _bar(step, box, is_person, probability, is_critical=place in critical)
+        for name in (step.step.agent, *step.listeners):
+            at = (box[0], rows[name] + (_ROW - _BAR) / 2, box[2])
+            parts += _bar(step, at, is_person, probability, is_critical=place in critical)
     parts.append("</svg>")
     return "\n".join(parts) + "\n"
 
@@ -152,10 +155,11 @@ def _bar(
 
 
 def _lines(step: ScheduledStep, width: float) -> list[str]:
-    """Return the schema and the last argument, as far as there is room."""
+    """Return the schema and the last argument, or what is told, as far as there is room."""
     room = int((width - 4) / _LETTER)
     action = step.step.action
-    texts = (action[0], action[-1]) if len(action) > 1 else action
+    last = " ".join(action[2:]) if step.listeners else action[-1]
+    texts = (action[0], last) if len(action) > 1 else action
     return [_fit(text, room) for text in texts if room > 3]
 
 

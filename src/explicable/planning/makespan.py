@@ -13,12 +13,13 @@ that had to drop no node has proved the least makespan.
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from explicable.errors import UsageError
 from explicable.model.durations import Durations
+from explicable.model.plan import Step
 from explicable.model.problem import GroundAtom
 from explicable.model.schedule import Schedule, make_schedule
 from explicable.model.team import TeamTask
@@ -26,6 +27,7 @@ from explicable.planning.best_schedule import BestSchedule, schedule_objective
 from explicable.planning.goal_orders import GoalOrders
 from explicable.planning.planner import check_alpha, plan_explicably
 from explicable.planning.relaxed_times import Node, RelaxedTimes, Timetable
+from explicable.planning.tellings import Telling, label_told
 from explicable.search import Outcome, search
 
 if TYPE_CHECKING:
@@ -68,6 +70,13 @@ class ScheduledPlan:
     lower_bound: float
     num_nodes: int
     search_s: float
+
+    @property
+    def probabilities(self) -> tuple[float | None, ...]:
+        """Of each step of the schedule, that it is expected; None without labels, and of a telling."""
+        known = iter(self.labelled.probabilities if self.labelled else ())
+        steps = self.schedule.steps if self.schedule else ()
+        return tuple(None if step.listeners else next(known, None) for step in steps)
 
     @property
     def is_optimal(self) -> bool:
@@ -158,10 +167,14 @@ def schedule_plan(
     *,
     labeller: "Labeller | None" = None,
     alpha: float = 1.0,
+    tellings: Sequence[Telling] = (),
 ) -> ScheduledPlan:
     """Let the steps of a given plan overlap where they don't interfere.
 
-    Its steps and its partial order stay; the lower bound is that of any plan, from the relaxation.
+    Its steps and its partial order stay; the lower bound is that of any plan, from the relaxation. A telling
+    takes as long as the durations say of the action ``tell``. It occupies the robot that tells and all
+    people, and what the plan does after it starts after it; each step is labelled as by people who know what
+    has been told by its start.
 
     Raises
     ------
@@ -184,12 +197,27 @@ def schedule_plan(
     """
     began = time.perf_counter()
     durations = durations or Durations()
-    schedule = make_schedule(team_task.problem, team_task.task, actions, durations)
-    labelled = labeller.label(team_task, schedule.actions) if labeller else None
+    steps = [(telling.before_step, Step(telling.agent, telling.action)) for telling in tellings]
+    schedule = make_schedule(team_task.problem, team_task.task, actions, durations, tellings=steps)
+    labelled = _labelled(team_task, labeller, schedule, tellings) if labeller else None
     timetable = Timetable(team_task, durations)
     bound = float(RelaxedTimes(timetable).rate([timetable.root()])[0][0])
     objective = schedule_objective(schedule, labelled, check_alpha(alpha))
     return ScheduledPlan(Outcome.SOLVED, schedule, labelled, objective, bound, 1, time.perf_counter() - began)
+
+
+def _labelled(
+    team_task: TeamTask, labeller: "Labeller", schedule: Schedule, tellings: Sequence[Telling]
+) -> "LabelledPlan":
+    """Label a schedule's actions in the order of their starts, each by what was told by then."""
+    told = {telling.action: telling.difference for telling in tellings}
+    ends = [(step.end, told[step.step.action]) for step in schedule.steps if step.listeners]
+    known = [
+        frozenset(difference for end, difference in ends if end <= step.start)
+        for step in schedule.steps
+        if not step.listeners
+    ]
+    return label_told(team_task, labeller, schedule.actions, known)
 
 
 class _Beams:

@@ -11,7 +11,6 @@ more variable of the task (`explicable.labelling.knowing`), so that one search s
 tell, and when.
 """
 
-import itertools
 import math
 import time
 from collections.abc import Sequence
@@ -22,40 +21,15 @@ from explicable.errors import UsageError
 from explicable.model.plan import JointPlan, format_action
 from explicable.model.team import TeamTask
 from explicable.planning.differences import Difference, find_differences
-from explicable.planning.explanation import explain, tell
-from explicable.planning.planner import check_alpha, joint_plan, plan_explicably
+from explicable.planning.explanation import explain
+from explicable.planning.listener import AS_GOOD, Listener, WeighedPlan, plan_of
+from explicable.planning.planner import check_alpha, plan_explicably
+from explicable.planning.tellings import Telling
 from explicable.search import Outcome, search
 
 if TYPE_CHECKING:
     from explicable.labelling import Labeller
-    from explicable.labelling.features import TeamFeatures
     from explicable.planning.predictions import HumanModel
-
-_AS_GOOD = 1e-9  # differences in J that are but rounding
-_MOST_SETS = 64  # for each of which the mental model is grounded and compiled
-
-
-@dataclass(frozen=True, slots=True)
-class Telling:
-    """A step of a plan by which a robot tells the person of one difference between the two models.
-
-    Attributes
-    ----------
-    before_step
-        It comes right before this step of the plan, counted from 0 without the tellings.
-    agent
-        The robot that tells: the one that acts next.
-    difference
-        What it tells.
-    """
-
-    before_step: int
-    agent: str
-    difference: Difference
-
-    def __str__(self) -> str:
-        words = str(self.difference).replace("(", "").replace(")", "")
-        return f"(tell {self.agent} {words})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +89,7 @@ def conform_or_explain(
     alpha: float = 1.0,
     telling_cost: float = 1.0,
     max_told: int = 2,
+    max_sets: int = 64,
     improve_s: float = 1.0,
     time_limit_s: float = 10.0,
     human_model: "HumanModel | None" = None,
@@ -124,8 +99,8 @@ def conform_or_explain(
     """Find the cheapest of plans that conform to what the person expects, or that tell them something.
 
     The best explicable plan without telling comes first. What can be told are all differences between the two
-    models; where their sets are too many (more than 64), those come first that explain unexpected steps of
-    that plan and of the cheapest one. A set is left out if its telling alone, with the least that any plan
+    models; where their sets are too many, those come first that explain unexpected steps of that plan and of
+    the cheapest one. A set is left out if its telling alone, with the least that any plan
     costs, is no better than the plan without telling. Then one anytime search goes over plans and what is
     told in them together: on small tasks its answer is proved best.
 
@@ -137,6 +112,10 @@ def conform_or_explain(
         Price of telling one difference, in the unit of cost.
     max_told
         Largest number of differences that a plan tells.
+    max_sets
+        Most sets of differences that can have been told at some time, the empty one among them. A mental
+        model is grounded for each, and the search goes over all, so that more of them may mean a worse plan
+        in the same time. ``is_complete`` says whether some were left out.
     improve_s
         Seconds for the improvement of the plan without telling, and of that with it.
     time_limit_s
@@ -170,6 +149,8 @@ def conform_or_explain(
     check_alpha(alpha)
     if not math.isfinite(telling_cost) or telling_cost < 0 or max_told < 0:
         raise UsageError("the cost of telling must be finite, and neither it nor the size of a set negative")
+    if max_sets < 1:
+        raise UsageError("the person who is told nothing is one set: max_sets must be at least 1")
     deadline = time.monotonic() + time_limit_s
     plain = plan_explicably(
         team_task,
@@ -183,17 +164,17 @@ def conform_or_explain(
     )
     if plain.plan is None or plain.labelled is None or plain.objective is None:
         return ToldPlan(plain.outcome, None, (), (), None, 0.0, None, is_complete=True)
-    weighed = _Weighed(plain.plan, (), plain.labelled.probabilities, plain.objective)
+    weighed = WeighedPlan(plain.plan, (), plain.labelled.probabilities, plain.objective)
     cheapest = search(team_task.task, "anytime", time_limit_s=improve_s, seed=seed)
     affordable = plain.objective - cheapest.lower_bound
     while max_told > 0 and telling_cost * max_told >= affordable:
         max_told -= 1
-    plans = [plain.plan, *([] if cheapest.operators is None else [_plan_of(team_task, cheapest.operators)])]
+    plans = [plain.plan, *([] if cheapest.operators is None else [plan_of(team_task, cheapest.operators)])]
     left_s = deadline - time.monotonic()
-    candidates = _candidates(team_task, labeller, plans, max_told, left_s / 4)
-    people = _People(team_task, labeller, candidates)
-    is_complete = people.learn(max_told, deadline - left_s / 2)
-    told = people.plan(
+    candidates = _candidates(team_task, labeller, plans, max_told, max_sets, left_s / 4)
+    listener = Listener(team_task, labeller, candidates)
+    is_complete = listener.learn(max_told, max_sets, deadline - left_s / 2)
+    told = listener.plan(
         alpha,
         telling_cost,
         time_limit_s=max(min(improve_s, deadline - time.monotonic()), 0.0),
@@ -201,8 +182,8 @@ def conform_or_explain(
         human_step_weight=human_step_weight,
         seed=seed,
     )
-    lower_bound = plain.lower_bound if max_told == 0 else people.lower_bound
-    best = told if told is not None and told.objective < weighed.objective - _AS_GOOD else weighed
+    lower_bound = plain.lower_bound if max_told == 0 else listener.lower_bound
+    best = told if told is not None and told.objective < weighed.objective - AS_GOOD else weighed
     return ToldPlan(
         outcome=Outcome.SOLVED,
         plan=best.plan,
@@ -215,128 +196,21 @@ def conform_or_explain(
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Weighed:
-    plan: JointPlan
-    tellings: tuple[Telling, ...]
-    probabilities: tuple[float, ...]
-    objective: float
-
-
-class _People:
-    """The person, as they are and as they would be after being told one set of differences or another."""
-
-    def __init__(self, team_task: TeamTask, labeller: "Labeller", differences: Sequence[Difference]) -> None:
-        self.team_task = team_task
-        self.labeller = labeller
-        self.differences = differences
-        self.lower_bound = 0.0
-        self.knowing: dict[frozenset[int], TeamFeatures] = {frozenset(): labeller.features(team_task)}
-
-    def learn(self, max_told: int, deadline: float) -> bool:
-        """Prepare sets of differences, the smallest first; return whether all up to a size were."""
-        for size in range(1, min(max_told, len(self.differences)) + 1):
-            for told in itertools.combinations(range(len(self.differences)), size):
-                if len(self.knowing) >= _MOST_SETS or time.monotonic() > deadline:
-                    return False
-                corrected = tell(self.team_task, [self.differences[number] for number in told])
-                self.knowing[frozenset(told)] = self.labeller.features(corrected)
-        return True
-
-    def plan(
-        self,
-        alpha: float,
-        telling_cost: float,
-        *,
-        time_limit_s: float,
-        human_model: "HumanModel | None",
-        human_step_weight: float,
-        seed: int,
-    ) -> _Weighed | None:
-        """Search for the best plan that may tell."""
-        from explicable.labelling.knowing import telling_task, told_by
-
-        compiled = telling_task(
-            self.labeller,
-            self.knowing,
-            telling_cost,
-            choice_model=human_model.model if human_model else None,
-            charge=human_step_weight,
-        )
-        result = search(
-            compiled.task,
-            "anytime",
-            scorer=compiled.scorer,
-            alpha=alpha,
-            time_limit_s=time_limit_s,
-            seed=seed,
-        )
-        self.lower_bound = result.lower_bound
-        if result.operators is None or result.objective is None:
-            return None
-        told: list[int] = []
-        times: list[int] = []
-        operators: list[int] = []
-        for operator in result.operators:
-            thing = told_by(compiled.task.action(operator))
-            if thing is None:
-                operators.append(operator)
-            else:
-                told.append(thing)
-                times.append(len(operators))
-        plan = _plan_of(self.team_task, operators)
-        if human_step_weight == 0:  # else what people do hangs on it too
-            self._wait(plan, told, times)
-        tellings = tuple(
-            Telling(before, self._teller(plan, before), self.differences[thing])
-            for before, thing in zip(times, told, strict=True)
-        )
-        return _Weighed(plan, tellings, self._probabilities(plan, told, times), result.objective)
-
-    def _probabilities(self, plan: JointPlan, told: Sequence[int], times: Sequence[int]) -> tuple[float, ...]:
-        """Return how probably each step is expected, by one who is told some things before some steps."""
-        watching = [
-            self.knowing[
-                frozenset(thing for thing, before in zip(told, times, strict=True) if before <= number)
-            ]
-            for number in range(len(plan))
-        ]
-        nobody = self.knowing[frozenset()]
-        return self.labeller.label(nobody, plan.actions, knowing=watching).probabilities
-
-    def _wait(self, plan: JointPlan, told: Sequence[int], times: list[int]) -> None:
-        """Put each telling off for as long as that is as good."""
-        most = sum(self._probabilities(plan, told, times))
-        for place in reversed(range(len(told))):
-            end = times[place + 1] if place + 1 < len(told) else len(plan) - 1
-            for later in range(end, times[place], -1):
-                put_off = [*times[:place], later, *times[place + 1 :]]
-                if sum(self._probabilities(plan, told, put_off)) >= most - _AS_GOOD:
-                    times[place] = later
-                    break
-
-    def _teller(self, plan: JointPlan, before_step: int) -> str:
-        """Return the robot that acts next, or acted last."""
-        robots = {agent.name for agent in self.team_task.problem.agents if agent.kind == "robot"}
-        turns = (*plan.steps[before_step:], *reversed(plan.steps[:before_step]))
-        return next((step.agent for step in turns if step.agent in robots), min(robots, default="robot"))
-
-
-def _plan_of(team_task: TeamTask, operators: Sequence[int]) -> JointPlan:
-    task = team_task.task
-    return joint_plan(team_task, tuple(map(task.action, operators)), sum(map(task.cost, operators)))
-
-
 def _candidates(
-    team_task: TeamTask, labeller: "Labeller", plans: Sequence[JointPlan], max_told: int, time_limit_s: float
+    team_task: TeamTask,
+    labeller: "Labeller",
+    plans: Sequence[JointPlan],
+    max_told: int,
+    max_sets: int,
+    time_limit_s: float,
 ) -> list[Difference]:
     """Order what can be told: where not all can be tried, what explains the plans' steps comes first."""
     differences = find_differences(team_task.problem)
     num_sets = sum(math.comb(len(differences), size) for size in range(max_told + 1))
-    if max_told == 0 or num_sets <= _MOST_SETS:
+    if max_told == 0 or num_sets <= max_sets:
         return list(differences)
     explaining: dict[Difference, None] = {}
-    for plan in plans:
+    for plan in plans if time_limit_s > 0 else ():
         steps = explain(
             team_task, labeller, plan.actions, max_told=max_told, time_limit_s=time_limit_s / len(plans)
         )
