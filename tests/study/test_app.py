@@ -1,3 +1,4 @@
+import html
 import json
 import re
 import sqlite3
@@ -238,6 +239,27 @@ def test_a_preview_on_mechanical_turk_shows_consent_and_starts_nothing(tmp_path)
     assert {row["name"] for row in rows(folder, tables.RECRUITS)} == {"workerId", "assignmentId", "hitId"}
 
 
+def test_a_frame_of_mechanical_turk_leads_to_a_tab_and_takes_the_code(tmp_path):
+    client, _, _ = open_study(write_study(tmp_path, extra='[recruitment]\nplatform = "mturk"'))
+    link = "/?assignmentId=A%261&hitId=H1&workerId=W1&turkSubmitTo={}"
+    with client:
+        framed = {"sec-fetch-dest": "iframe"}
+        page = client.get(link.format("https%3A%2F%2Fworkersandbox.mturk.com%2F"), headers=framed)
+        assert 'action="https://workersandbox.mturk.com/mturk/externalSubmit"' in page.text
+        assert 'name="assignmentId" value="A&amp;1"' in page.text
+        policy = page.headers["content-security-policy"]
+        for rule in ("frame-ancestors", "form-action"):
+            assert f"{rule} https://www.mturk.com https://workersandbox.mturk.com" in policy
+        within = html.unescape(re.search(r'href="(/\?[^"]*)" target="_blank"', page.text)[1])
+        assert "ticket" in client.get(within).text  # in the tab: not framed
+        assert "form-action 'self'" in client.get(within).headers["content-security-policy"]
+        for host in ("https://evil.example", "https://www.mturk.com.evil.example", "javascript:alert(1)"):
+            assert "<form" not in client.get(link.format(host), headers=framed).text
+    plain, _, _ = open_study(write_study(tmp_path / "plain"))
+    with plain:
+        assert "frame-ancestors 'none'" in plain.get("/", headers=framed).headers["content-security-policy"]
+
+
 def test_a_study_in_which_the_robot_can_not_lead_is_warned_of(tmp_path):
     play = 'mode = "autonomous"\nsemantics = "{}"'
     waiting = read_study(write_study(tmp_path, play=play.format("exclusive")))
@@ -364,3 +386,38 @@ def test_a_study_that_was_changed_under_people_says_so(tmp_path, old, new):
         client.cookies.update(cookies)
         assert run(["study", "status", str(folder)]) == 0
         assert visitor.arrive().status_code == 409
+
+
+LINKS = {
+    "plain": "?who=1",
+    "prolific": "?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=v1",
+    "mturk": "?workerId=W1&assignmentId=A1&hitId=H1",
+    "sona": "?survey_code=123",
+}
+
+
+@pytest.mark.parametrize("platform", list(LINKS))
+def test_whoever_opens_the_platforms_link_again_goes_on(tmp_path, platform):
+    folder = write_study(tmp_path, tasks=TASKS.replace("people = 2", "people = 9"))
+    text = (folder / "study.toml").read_text()
+    fields = "".join(f"&{name}={{{name}}}" for name in re.findall(r"(\w+)=", LINKS[platform]))
+    fields = "" if platform == "plain" else fields
+    link = f'[recruitment]\nplatform = "{platform}"\nreturn_url = "https://pay.example/?c={{code}}{fields}"\n'
+    (folder / "study.toml").write_text(text + link)
+    client, _, _ = open_study(folder)
+    with client:
+        visitor = Visitor(client).reach_tasks(LINKS[platform])
+        visitor.arrive(LINKS[platform])
+        assert visitor.heading == "Task 1 of 2"
+        visitor.play()
+        visitor.play()
+        visitor.submit(**{"rating-robot": "7"})
+        code = re.search(r'class="code">(\w+)<', visitor.page.text)[1]
+        told = LINKS[platform].replace("?", "&").replace("&", "&amp;") if fields else ""
+        assert f'href="https://pay.example/?c={code}{told}"' in visitor.page.text
+        if platform != "plain":
+            other = Visitor(client)  # somebody else from there, with this browser
+            other.arrive(LINKS[platform].replace("1", "2"))
+            assert other.consent().status_code == 200
+    recruits = {row["name"] for row in rows(folder, tables.RECRUITS)}
+    assert recruits == (set() if platform == "plain" else set(re.findall(r"(\w+)=", LINKS[platform])))

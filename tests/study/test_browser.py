@@ -361,3 +361,29 @@ def test_axe_finds_no_violation_where_a_visit_ends_early(browser, tmp_path):
         follow(page, "button[value=yes]")
         examine_that("Everybody whom we need has taken part")
         context.close()
+
+
+def test_a_frame_of_mechanical_turk_opens_a_tab_and_hands_in_the_code(browser, tmp_path):
+    folder = write_study(tmp_path / "study", tasks=PLAYED, extra='[recruitment]\nplatform = "mturk"')
+    turk = "https://www.mturk.com"
+    with Server(folder, port=0).in_background() as link:
+        context = browser.new_context(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
+        context.set_default_timeout(PATIENCE_MS)
+        page = context.new_page()
+        source = f"{link}?workerId=W1&assignmentId=A1&hitId=H1&turkSubmitTo={turk}"
+        shown = f'<iframe title="task" width="360" height="700" src="{source}"></iframe>'
+        page.route(f"{turk}/**", lambda route: route.fulfill(content_type="text/html", body=shown))
+        page.goto(f"{turk}/projects/1")
+        frame = page.frame_locator("iframe")
+        frame.get_by_role("heading").wait_for()
+        examine(page.frames[1])
+        with context.expect_page() as opened:
+            frame.get_by_role("link", name="To the study").click()
+        tab = opened.value
+        follow(tab, "button[value=yes]")
+        assert "Instructions" in tab.inner_text("main")
+        frame.get_by_role("textbox").fill("K7")
+        with page.expect_request(f"{turk}/mturk/externalSubmit") as handed_in:
+            frame.get_by_role("button").click()
+        assert handed_in.value.post_data == "assignmentId=A1&code=K7"
+        context.close()

@@ -55,6 +55,26 @@ def test_a_wrong_study_file_is_told_with_its_line(folder, old, new, place, messa
     assert message in str(refused.value)
 
 
+def test_texts_and_maps_that_are_none_are_told_before_people_come(folder, capsys):
+    text = (folder / "study.toml").read_text()
+    (folder / "study.toml").write_text(text + '[texts]\nconsent = "consent.md"\n')
+    (folder / "consent.md").write_bytes(b"Teilnahme: f\xfcr alle")
+    assert "consent.md: not a text file" in refuse(capsys, "study", "serve", folder, "--port", 0)
+    (folder / "study.toml").write_text(text)
+    (folder / "two.map").write_bytes(b"\xff\xfe\x00")
+    assert "two.map:1: not UTF-8" in refuse(capsys, "study", "serve", folder, "--port", 0)
+
+
+def test_a_way_back_holds_only_what_the_platform_tells(folder):
+    text = (folder / "study.toml").read_text()
+    link = '[recruitment]\nplatform = "sona"\nreturn_url = "https://x.example/?c={code}&s={survey_code}"\n'
+    (folder / "study.toml").write_text(text + link)
+    assert read_study(folder).recruitment.platform == "sona"
+    (folder / "study.toml").write_text(text + link.replace("sona", "prolific"))
+    with pytest.raises(InputError, match=r"prolific tells no \{survey_code\}"):
+        read_study(folder)
+
+
 @pytest.mark.parametrize(
     ("url", "message"),
     [

@@ -87,7 +87,7 @@ def serve(
     )
     told = server.announcement
     click.echo(f"participants:   {told.link}")
-    if told.recruitment_link != told.link:
+    if told.recruitment_link is not None:
         click.echo(f"recruitment:    {told.recruitment_link}")
     click.echo(f"researcher:     {told.link}admin")
     if told.new_password:

@@ -138,11 +138,16 @@ def _page_routes(server: Server) -> APIRouter:
     @routes.get("/")
     async def welcome(request: HTTPRequest) -> Response:
         session = keys.read("session", request.cookies.get(SESSION_COOKIE))
-        if is_preview(study.recruitment.platform, request.query_params):
-            return pages.preview()
-        recruit = read_parameters(study.recruitment.platform, request.query_params)
-        if isinstance(session, str) and not recruit.values and "simulated" not in request.query_params:
-            return RedirectResponse("/session", 303)
+        platform, is_framed = study.recruitment.platform, request.headers.get("sec-fetch-dest") == "iframe"
+        if is_preview(platform, request.query_params):
+            return pages.preview(is_framed=is_framed)
+        if platform == "mturk" and is_framed:
+            return pages.doorway(str(request.url.query), request.query_params)
+        recruit = read_parameters(platform, request.query_params)
+        if isinstance(session, str) and "simulated" not in request.query_params:
+            told = await server.read(lambda tx: server.conduct.recruit(tx, session))
+            if not recruit.values or recruit.values == told:  # the same visit, from the same browser
+                return RedirectResponse("/session", 303)
         simulated = keys.read("simulated", request.query_params.get("simulated"))
         return pages.consent(dict(recruit.values), simulated if isinstance(simulated, str) else None)
 

@@ -100,9 +100,13 @@ class Conduct:
 
     def standing_and_recruit(self, tx: Transaction, session: str) -> tuple[Standing, dict[str, str]]:
         """Return where a session stands, and what the recruitment platform told."""
-        standing = self.standing(tx, session)
-        rows = tx.all(tables.RECRUITS, participant=standing.session.participant)
-        return standing, {row.name: row.value for row in rows}
+        return self.standing(tx, session), self.recruit(tx, session)
+
+    def recruit(self, tx: Transaction, session: str) -> dict[str, str]:
+        """Return what the recruitment platform told about whose session it is."""
+        row = tx.find(tables.SESSIONS, id=session)
+        rows = tx.all(tables.RECRUITS, participant=row.participant) if row else []
+        return {row.name: row.value for row in rows}
 
     def step(self, tx: Transaction, session: str, request: Request, number: int) -> Standing:
         """Take the next step of the task, which is step ``number``, counted from 0; or announce it."""

@@ -11,6 +11,7 @@ from explicable.errors import InputError
 from explicable.first_response.encoding import Semantics
 from explicable.study.game import Ask
 from explicable.study.lines import line_of
+from explicable.study.recruitment import unknown_field
 
 FILE = "study.toml"
 
@@ -170,12 +171,19 @@ class Texts(_Table):
 class Recruitment(_Table):
     """Where people come from, and where they are sent back to.
 
-    ``return_url`` may hold ``{code}``, the session's completion code.
+    ``return_url`` may hold ``{code}``, the session's completion code, and the platform's parameters.
     """
 
     platform: Literal["plain", "prolific", "mturk", "sona"] = "plain"
     return_url: Annotated[str, Field(pattern=r"^https?://[^\s<>\"']+$", max_length=500)] | None = None
     allow_repeats: bool = False
+
+    @model_validator(mode="after")
+    def _can_return(self) -> Self:
+        name = unknown_field(self.return_url or "", self.platform)
+        if name is not None:
+            raise ValueError(f"return_url: {self.platform} tells no {{{name}}}")
+        return self
 
 
 class Study(_Table):

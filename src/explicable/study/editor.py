@@ -8,7 +8,7 @@ from fastapi.responses import Response
 from pydantic import BaseModel, Field
 
 from explicable.errors import MapError
-from explicable.first_response import World, format_map, parse_map, render
+from explicable.first_response import World, format_map, read_map, render
 from explicable.model.files import write_whole
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def routes(server: "Server", require: "Callable[[Request], Awaitable[str]]") -> 
         chosen = request.query_params.get("from", "")
         rows = _blank()
         if chosen in names:
-            world = parse_map((folder / f"{chosen}.map").read_text(encoding="utf-8-sig"))
+            world = read_map(folder / f"{chosen}.map")
             if max(world.height, world.width) <= LARGEST:
                 rows = list(world.rows)
         token = server.keys.token(owner)

@@ -89,7 +89,9 @@ class Materials:
         return self._prepared[task, condition]
 
     def check(self) -> None:
-        """Prepare every task, so that what is wrong with any is said before people come."""
+        """Prepare every task and read every text, so that what is wrong is said before people come."""
+        for name in self.study.texts.model_dump(exclude_none=True):
+            self.text(name)
         for condition in self.conditions:
             for task in self.tasks:
                 self.material(task, condition)
@@ -97,7 +99,13 @@ class Materials:
     def text(self, name: str) -> str | None:
         """Return one of the study's own texts (Markdown), if it has it."""
         file = getattr(self.study.texts, name)
-        return None if file is None else resolve(self.folder, file).read_text(encoding="utf-8-sig")
+        if file is None:
+            return None
+        path = resolve(self.folder, file)
+        try:
+            return path.read_text(encoding="utf-8-sig")
+        except UnicodeDecodeError as error:
+            raise InputError(f"not a text file in UTF-8 ({error.reason})", path=path) from error
 
     def _prepare(self, task: Task, condition: Condition) -> Material:
         world = read_map(resolve(self.folder, task.map)) if task.map else None

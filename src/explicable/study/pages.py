@@ -16,8 +16,8 @@ from explicable.study.config import Question
 from explicable.study.materials import PRACTICE, Materials
 from explicable.study.pictures import map_key
 from explicable.study.protocol import PARTS, Event, Stage
-from explicable.study.recruitment import return_link
-from explicable.study.security import Keys
+from explicable.study.recruitment import MTURK_HOSTS, return_link, submit_address
+from explicable.study.security import HEADERS, Keys
 from explicable.study.view import Views
 from explicable.study.words import language
 
@@ -70,9 +70,15 @@ class Pages:
         ticket = {"request": secrets.token_hex(16), "recruit": recruit, "simulated": simulated}
         return self.page("consent.html", text=self._text("consent"), ticket=self.keys.sign("ticket", ticket))
 
-    def preview(self) -> Response:
+    def preview(self, *, is_framed: bool) -> Response:
         """Show what people are asked to consent to, before they have accepted the task on their platform."""
-        return self.page("consent.html", text=self._text("consent"), ticket=None)
+        response = self.page("consent.html", text=self._text("consent"), ticket=None)
+        return _in_frame(response) if is_framed else response
+
+    def doorway(self, query: str, parameters: Mapping[str, str]) -> Response:
+        """Lead out of a frame of Mechanical Turk into a tab, and take the completion code back there."""
+        address, assignment = submit_address(parameters), parameters.get("assignmentId", "")
+        return _in_frame(self.page("doorway.html", query=query, address=address, assignment=assignment))
 
     def declined(self) -> Response:
         """Thank somebody who does not want to take part, of whom nothing is stored."""
@@ -190,6 +196,15 @@ class Pages:
             message=translate(message),
             is_problem=is_problem,
         )
+
+
+def _in_frame(response: Response) -> Response:
+    """Let a page be shown by Mechanical Turk in a frame, and hand in there what is filled in."""
+    own, turk = HEADERS["Content-Security-Policy"], " ".join(MTURK_HOSTS)
+    policy = own.replace("frame-ancestors 'none'", f"frame-ancestors {turk}")
+    policy = policy.replace("form-action 'self'", f"form-action {turk}")
+    response.headers["Content-Security-Policy"] = policy
+    return response
 
 
 def _chosen(kind: str, questions: list[Question], form: Mapping[str, str]) -> dict[str, str]:

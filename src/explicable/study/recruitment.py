@@ -22,11 +22,14 @@ PARAMETERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 _TEMPLATES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "prolific": {name: "{{%" + name + "%}}" for name in PARAMETERS["prolific"]},
-        "mturk": {name: "${" + name + "}" for name in PARAMETERS["mturk"]},
         "sona": {"survey_code": "%SURVEY_CODE%"},
     }
 )
+MTURK_HOSTS = ("https://www.mturk.com", "https://workersandbox.mturk.com")
+"""Where pages of Mechanical Turk come from, which show a study in a frame."""
+
 _VALUE = re.compile(r"[A-Za-z0-9_.:@-]{1,200}")
+_FIELD = re.compile(r"\{(\w+)\}")
 _MTURK_PREVIEW = "ASSIGNMENT_ID_NOT_AVAILABLE"
 
 
@@ -72,8 +75,21 @@ def is_preview(platform: str, query: Mapping[str, str]) -> bool:
     return platform == "mturk" and query.get("assignmentId") == _MTURK_PREVIEW
 
 
+def submit_address(query: Mapping[str, str]) -> str | None:
+    """Return where a page in a frame of Mechanical Turk hands in an assignment; None if it is not told.
+
+    Examples
+    --------
+    >>> submit_address({"turkSubmitTo": "https://www.mturk.com/"})
+    'https://www.mturk.com/mturk/externalSubmit'
+    >>> submit_address({"turkSubmitTo": "https://www.mturk.com.example"})
+    """
+    host = query.get("turkSubmitTo", "").rstrip("/")
+    return f"{host}/mturk/externalSubmit" if host in MTURK_HOSTS else None
+
+
 def link_template(platform: str, link: str) -> str:
-    """Return the link to give to a platform, which fills in its parameters.
+    """Return the link to give to a platform, which fills in its parameters; Mechanical Turk adds them itself.
 
     Examples
     --------
@@ -89,9 +105,21 @@ def return_link(template: str, code: str, values: Mapping[str, str]) -> str:
 
     Examples
     --------
-    >>> return_link("https://pay.example/?cc={code}&id={survey_code}", "K7", {"survey_code": "a&b"})
-    'https://pay.example/?cc=K7&id=a%26b'
+    >>> link = "https://pay.example/?cc={code}&id={survey_code}"
+    >>> return_link(link, "K7", {"survey_code": "a&b"}), return_link(link, "K7", {})
+    ('https://pay.example/?cc=K7&id=a%26b', 'https://pay.example/?cc=K7&id=')
     """
-    for name, value in {"code": code, **values}.items():
-        template = template.replace(f"{{{name}}}", quote(value, safe=""))
-    return template
+    known = {"code": code, **values}
+    return _FIELD.sub(lambda field: quote(known.get(field[1], ""), safe=""), template)
+
+
+def unknown_field(template: str, platform: str) -> str | None:
+    """Return a field of a link that leads back which the platform does not fill; None if there is none.
+
+    Examples
+    --------
+    >>> unknown_field("https://pay.example/?cc={code}&id={survey_code}", "prolific")
+    'survey_code'
+    """
+    known = {"code", *PARAMETERS[platform]}
+    return next((name for name in _FIELD.findall(template) if name not in known), None)

@@ -37,7 +37,7 @@ class Announcement:
     """What the researcher is told when the server starts."""
 
     link: str
-    recruitment_link: str
+    recruitment_link: str | None
     new_password: str | None
 
 
@@ -81,7 +81,8 @@ class Server:
         shown = f"[{host}]" if ":" in host else host
         link = f"http://{shown}:{self._socket.getsockname()[1]}/"
         platform = materials.study.recruitment.platform
-        self.announcement = Announcement(link, link_template(platform, link), opened.new_password)
+        recruiting = None if platform == "plain" else link_template(platform, link)
+        self.announcement = Announcement(link, recruiting, opened.new_password)
         self._workers = workers
         self._app = functools.partial(_create, folder.resolve(), url, trusts_floods=trusts_floods)
 
