@@ -143,6 +143,14 @@ def visit_replay(browser: Browser, link: str, width: str, scheme: str) -> None:
     page = open_page(browser, width, scheme)
     page.goto(f"{link}?assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=H")
     photograph(page, f"preview-{width}")
+    # As in a frame of Mechanical Turk: of its frames no picture of a whole page can be taken.
+    page.route(
+        f"{link}?*",
+        lambda route: route.continue_(headers={**route.request.headers, "sec-fetch-dest": "iframe"}),
+    )
+    page.goto(f"{link}?assignmentId=A&hitId=H&workerId=W&turkSubmitTo=https://www.mturk.com")
+    photograph(page, f"doorway-{width}")
+    page.unroute(f"{link}?*")
     page.goto(link)
     page.click("button[value=no]")
     photograph(page, f"declined-{width}")

@@ -5,6 +5,7 @@ import time
 
 import pytest
 from browser import PATIENCE_MS, chromium, examine
+from servers import StudyServer
 from studies import write_study
 
 from explicable.first_response import read_map
@@ -387,3 +388,27 @@ def test_a_frame_of_mechanical_turk_opens_a_tab_and_hands_in_the_code(browser, t
             frame.get_by_role("button").click()
         assert handed_in.value.post_data == "assignmentId=A1&code=K7"
         context.close()
+
+
+def test_a_page_goes_on_by_itself_when_its_server_was_killed(browser, tmp_path):
+    folder = write_study(tmp_path / "study", tasks=PLAYED)
+    server = StudyServer(folder)
+    server.start()
+    context = browser.new_context(has_touch=True, viewport={"width": 360, "height": 740})
+    try:
+        context.set_default_timeout(PATIENCE_MS)
+        page = context.new_page()
+        begin(page, server.link)
+        page.tap("[data-room].possible")
+        until(page, "view.phase === 'question'")
+        number = view_of(page)["number"]
+        server.kill()
+        page.tap("#yes")
+        until(page, f"isFinished || view.number > {number}")
+        play(page, lambda: page.tap("#yes"), lambda _: page.tap("[data-room].possible"))
+        page.wait_for_selector("#finished a")
+    finally:
+        context.close()
+        server.stop()
+    labels = rows(folder, tables.LABELS)
+    assert len(labels) == len({(label.assignment, label.number) for label in labels}) > 0
