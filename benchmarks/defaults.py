@@ -4,6 +4,7 @@ Run ``python benchmarks/defaults.py -o records/defaults.jsonl``. The labeller le
 of the built-in training maps; the maps are generated, with seeds of their own and in turns by `KINDS`. Each
 record is one map: what each planner's plan costs, its expected number of inexplicable steps, E[F], and F of
 the most probable labels. Of plans found in a time limit, how good they are hangs on the machine's load.
+``python benchmarks/defaults.py --table`` prints what the records come to.
 """
 
 import json
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import click
 import numpy as np
+from tables import markdown_table
 
 from explicable.execution import builtin_families, simulate_study
 from explicable.first_response import builtin_maps, encode, generate
@@ -36,6 +38,11 @@ KINDS: tuple[dict[str, int], ...] = (
     {"height": 5, "width": 5, "num_marks": 3},
 )
 """Of maps: what differs from the study's."""
+
+MUCH = 1.05
+"""Plans dearer than the shortest by more than this factor are not compared one by one."""
+
+RECORDS = Path(__file__).parent / "records" / "defaults.jsonl"
 
 LIMIT_S = 20.0
 """For planners that stop at their first plan."""
@@ -65,6 +72,41 @@ def described(found: TeamPlan) -> dict[str, float] | None:
     }
 
 
+def table(records: list[dict]) -> str:
+    """Summarise records: a row for each planner of each setting, means with 95 % bootstrap intervals."""
+    settings = sorted({(record["semantics"], record["family"]) for record in records})
+    rows = []
+    for setting in settings:
+        found = [record["plans"] for record in records if (record["semantics"], record["family"]) == setting]
+        shortest = [min(plan["cost"] for plan in plans.values() if plan) for plans in found]
+        for name in PLANNERS:
+            pairs = [(plans, least) for plans, least in zip(found, shortest, strict=True) if plans[name]]
+            near = [plans for plans, least in pairs if plans[name]["cost"] <= MUCH * least + 1e-9]
+            rows.append(
+                [
+                    f"{', '.join(setting)}: {name}",
+                    str(len(pairs)),
+                    mean([plans[name]["f_expected"] for plans, _ in pairs]),
+                    mean([plans[name]["f_paper"] for plans, _ in pairs]),
+                    mean([100 * (plans[name]["cost"] / least - 1) for plans, least in pairs], digits=1),
+                    str(len(near)),
+                    *(
+                        str(sum(plans["explicable"][score] < plans[name][score] - 1e-9 for plans in near))
+                        for score in ("f_expected", "f_paper")
+                    ),
+                ]
+            )
+    heads = ["planner", "n", "E[F]", "F", "% longer than the shortest known", "at most 5 % longer"]
+    return markdown_table([*heads, "of these, E[F] above the default's", "F above"], rows)
+
+
+def mean(values: list[float], digits: int = 3) -> str:
+    """Return the mean with its 95 % interval, by a bootstrap over maps."""
+    rng = np.random.default_rng(0)
+    low, high = np.quantile(rng.choice(values, (5000, len(values))).mean(axis=1), [0.025, 0.975])
+    return f"{np.mean(values):.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
+
+
 @click.command()
 @click.option("--maps", type=click.IntRange(min=1), default=100, show_default=True)
 @click.option("--seed", default=870_000, show_default=True, help="Of the first map; the others follow.")
@@ -78,8 +120,12 @@ def described(found: TeamPlan) -> dict[str, float] | None:
     type=click.Path(dir_okay=False, path_type=Path),
     help="Append here; default: standard output.",
 )
-def main(maps: int, seed: int, family: str, semantics: str, output: Path | None) -> None:
+@click.option("--table", "as_table", is_flag=True, help="Print what the records come to, and stop.")
+def main(maps: int, seed: int, family: str, semantics: str, output: Path | None, *, as_table: bool) -> None:
     """Write one JSON line for each map."""
+    if as_table:
+        click.echo(table([json.loads(line) for line in RECORDS.read_text().splitlines()]))
+        return
     training = [encode(world, semantics) for world in builtin_maps("training").values()]
     episodes = simulate_study(training, builtin_families()[family], num_traces=34, seed=7, way="mixed")
     labeller = Labeller.train([episode.trace for episode in episodes], num_bootstrap=0)
