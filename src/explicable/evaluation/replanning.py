@@ -198,7 +198,7 @@ class ExplicablePlanner:
             scorer=game.scorer.starting_at(game.context),
             initial_state=game.state,
             alpha=self.prices.alpha,
-            known_plan=first.operators if first else None,
+            known_plans=[first.operators] if first and first.operators is not None else (),
             max_evaluations=self.max_evaluations - first.evaluations if first else None,
             time_limit_s=self.improve_s if first else None,
         )
