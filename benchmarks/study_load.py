@@ -39,7 +39,7 @@ RECORDS = ROOT / "benchmarks" / "records" / "study_load.jsonl"
 PAGE = ROOT / "docs" / "study.md"
 MARK = "<!-- study-load -->"
 WORKERS = {"sqlite": 1, "postgresql": 2}
-SETTLING_S = 10
+SETTLING_S = 15
 """Seconds from the last arrival to the time that counts."""
 LEAVING_S = 5
 """Seconds from there to when all leave."""
@@ -85,7 +85,7 @@ def processor_s(folder: Path) -> tuple[float, float, float]:
     server = psutil.Process().children(recursive=True)
     database = list[psutil.Process]()
     for process in psutil.process_iter(["name", "cmdline"]):
-        if process.info["name"] == "postgres" and str(folder.parent) in " ".join(process.info["cmdline"]):
+        if process.info["name"] == "postgres" and str(folder.parent) in " ".join(process.info["cmdline"] or []):
             database += [process, *process.children(recursive=True)]
     return _sum(server), _sum(database), time.process_time()
 

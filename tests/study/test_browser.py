@@ -173,6 +173,35 @@ def test_a_session_by_mouse_with_a_change_of_mind_and_reloads(page, served):
     assert {row.stage for row in rows(folder, tables.SESSIONS)} == {"debrief"}
 
 
+def test_a_command_comes_before_a_step_that_is_not_yet_shown(page, served):
+    folder, link, _ = served
+    page.clock.install()
+    begin(page, link)
+    play(page, *by_mouse(page))
+    follow(page, "#finished a")
+    page.check("input[value=before]")
+    follow(page, "main button")
+    if not view_of(page)["commands"]:
+        play(page, *by_mouse(page))
+        follow(page, "#finished a")
+    page.clock.pause_at(time.time() + 3600)  # no step is due from now on
+    for number, room in enumerate(["c-0-2", "c-2-3"], start=1):
+        page.click(f"[data-object={room}]")
+        until(page, f"!pending && view.number === {number} && view.phase === 'moving' && view.next")
+    offered = view_of(page)["next"]["shown"]
+    page.clock.run_for(100)
+    until(page, "view.phase === 'question'")
+    (task,) = (row.id for row in rows(folder, tables.ASSIGNMENTS) if row.task == "played")
+
+    def operators():
+        return [row.operator for row in rows(folder, tables.STEPS) if row.assignment == task]
+
+    assert operators() == ["(command person c-0-2)", "(command person c-2-3)"]
+    page.click("#yes")
+    until(page, "!pending")
+    assert operators()[2:] == [offered]
+
+
 def test_a_session_by_keyboard_alone(page, served):
     folder, link, _ = served
     page.goto(link)

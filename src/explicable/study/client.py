@@ -51,7 +51,11 @@ class _Connection(asyncio.Protocol):
         self._answer, self._parts = Answer(), list[bytes]()
         self._answered = asyncio.get_running_loop().create_future()
         self.transport.write(request)
-        return await self._answered
+        try:
+            return await self._answered
+        except asyncio.CancelledError:
+            self._fail("nobody waits for the answer")  # nor may it be taken for the next request's
+            raise
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self.transport, self.is_open = cast("asyncio.Transport", transport), True
