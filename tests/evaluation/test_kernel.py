@@ -57,19 +57,24 @@ def test_an_interrupted_run_goes_on(study, finished, tmp_path):
     assert told == [("small", done, 4) for done in (1, 2, 3, 4)]
     assert same(records, finished[0])
     assert part.read_bytes().splitlines()[2] == lines[2].strip()  # to the last digit: it was not run again
+    (stretch,) = json.loads((tmp_path / "run.json").read_text())["stretches"]
+    assert (stretch["workers"], stretch["trials"]) == ("--jobs 1", 3)
 
 
-def test_killed_from_outside_a_run_goes_on(study, finished, tmp_path):
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_ended_from_outside_a_run_goes_on(study, finished, tmp_path, ending):
     command = [sys.executable, "-m", "explicable", "evaluate", "--study", study, "-o", tmp_path]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     records = tmp_path / "records" / "small.jsonl"
     while process.poll() is None and not records.exists():
         time.sleep(0.01)
     assert records.exists()
-    process.send_signal(signal.SIGKILL)
+    process.send_signal(ending)
     process.wait()
     again = run_experiments([read_experiment(study)], tmp_path)["small"]
     assert same(again, finished[0])
+    stretches = json.loads((tmp_path / "run.json").read_text())["stretches"]
+    assert sum(stretch["trials"] for stretch in stretches) in {3, 4}  # the last before the end is not sure
 
 
 def test_dask_workers_may_die_and_come_back(study, finished, tmp_path):

@@ -46,7 +46,7 @@ def make_page(
         "versions": ", ".join(f"{name} {version}" for name, version in run["versions"].items()),
         "seeds": ", ".join(f"{experiment.name} {experiment.seed}" for experiment in experiments),
         "trials": f"{sum(map(len, records.values()))} done of {num_trials}",
-        "duration": f"{work_s / 60:.1f} minutes of work, all processes together",
+        "duration": _duration(run.get("stretches", ()), work_s),
     }
     sections = tuple(answer(experiment, records[experiment.name]) for experiment in experiments)
     traces = {
@@ -54,6 +54,18 @@ def make_page(
     }
     summary = SUMMARY_OF_STUDY.format(traces=", ".join(sorted(traces))) if traces else SUMMARY
     return Page("Results", summary, facts, sections, list_failures(records))
+
+
+def _duration(stretches: Sequence[Mapping[str, Any]], work_s: float) -> str:
+    """Say how long it took by the clock, start by start, and how much work that was.
+
+    Examples
+    --------
+    >>> _duration([{"workers": "--jobs 2", "trials": 9, "wall_s": 90.0}], 171.0)
+    '1.5 minutes (--jobs 2, 9 trials); 2.9 minutes of work, all processes together'
+    """
+    parts = [f"{s['wall_s'] / 60:.1f} minutes ({s['workers']}, {s['trials']} trials)" for s in stretches]
+    return "; ".join([*parts, f"{work_s / 60:.1f} minutes of work, all processes together"])
 
 
 def list_failures(records: Mapping[str, Sequence[Record]]) -> Table:

@@ -7,8 +7,10 @@ from collections.abc import Callable, Iterator, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
+from explicable.errors import InputError
 from explicable.evaluation.experiments import Experiment
 from explicable.evaluation.records import Record, RecordFile, Trial
 from explicable.evaluation.workers import run_here, run_on_dask
@@ -36,7 +38,8 @@ def run_experiments(
     Parameters
     ----------
     folder
-        Records go to ``records/EXPERIMENT.jsonl`` in it, and what it was run with to ``run.json``.
+        Records go to ``records/EXPERIMENT.jsonl`` in it, and what it was run with, and for how long, to
+        ``run.json``.
     jobs
         Processes on this machine.
     scheduler
@@ -54,7 +57,7 @@ def run_experiments(
     missing = {
         experiment.name: files[experiment.name].resume(experiment.trials()) for experiment in experiments
     }
-    write_whole(folder / "run.json", json.dumps(describe_run(), indent=2) + "\n")
+    log = _RunLog(folder / "run.json", "a Dask cluster" if scheduler else f"--jobs {jobs}")
     records = {}
     for experiment in experiments:
         trials, file = experiment.trials(), files[experiment.name]
@@ -63,6 +66,7 @@ def run_experiments(
         for line in _run(missing[experiment.name], jobs, scheduler):
             file.append(json.loads(line))
             num_done += 1
+            log.count_trial()
             tell(experiment.name, num_done, len(trials))
         records[experiment.name] = file.put_in_order(trials)
     return records
@@ -86,6 +90,27 @@ def describe_run() -> dict[str, Any]:
         "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}",
         "versions": {"Python": platform.python_version()} | dict(_versions()),
     }
+
+
+class _RunLog:
+    """With what experiments are run, and how long it takes: a stretch from each start to its end."""
+
+    def __init__(self, path: Path, workers: str) -> None:
+        self._path, self._began = path, perf_counter()
+        try:
+            earlier = json.loads(path.read_text("utf-8")).get("stretches", []) if path.exists() else []
+        except (ValueError, AttributeError) as error:
+            raise InputError("not the description of a run", path=path) from error
+        self._run = describe_run() | {"stretches": earlier}
+        self._stretch: dict[str, Any] = {"workers": workers, "trials": 0, "wall_s": 0.0}
+        write_whole(path, json.dumps(self._run, indent=2) + "\n")
+
+    def count_trial(self) -> None:
+        """Note that a trial has ended; on the disk at once, since a run may be killed."""
+        self._stretch["trials"] += 1
+        self._stretch["wall_s"] = round(perf_counter() - self._began, 1)
+        run = self._run | {"stretches": [*self._run["stretches"], self._stretch]}
+        write_whole(self._path, json.dumps(run, indent=2) + "\n")
 
 
 def _path(folder: Path, name: str) -> Path:
