@@ -11,7 +11,7 @@ import pytest
 
 from explicable.cli import run
 from explicable.first_response.encoding import encode
-from explicable.first_response.world import parse_map
+from explicable.first_response.map_file import parse_map
 from explicable.labelling import LabelledStep, Trace, problem_texts, write_traces
 from explicable.model.plan import format_action, format_plan, parse_plan
 from planning.floors import DETOUR, command, judge_of_progress, moves, visit
@@ -223,7 +223,7 @@ def test_a_front_is_drawn_with_all_its_plans_and_prices(place, tmp_path):
         done = explicable(place, "front", "labeller.json", *TEAM, *HUMAN, *options)
         assert done.returncode == 0, done.stderr
     plans = json.loads(done.stdout)["plans"]
-    text = "".join(ET.parse(tmp_path / "front.svg").getroot().itertext())  # noqa: S314 (our own picture)
+    text = "".join(ET.parse(tmp_path / "front.svg").getroot().itertext())
     for number, plan in enumerate(plans, start=1):
         assert f"plan {number}: E[F] = {plan['scores']['f_expected']:.2f}" in text
         assert plan["alpha_to"] is None or f"{plan['alpha_to']:.2g}" in text

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from explicable.errors import UsageError
 from explicable.first_response.encoding import encode
 from explicable.first_response.generator import generate
-from explicable.first_response.world import cell_at, distances, parse_map
+from explicable.first_response.map_file import parse_map
+from explicable.first_response.world import cell_at, distances
 from explicable.model.grounding import ground, ground_team
 from explicable.model.team import Agent
 from explicable.pddl import format_domain, format_problem, parse_domain, parse_problem

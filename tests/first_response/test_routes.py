@@ -3,8 +3,8 @@
 import pytest
 
 from explicable.errors import PlanError
+from explicable.first_response.map_file import parse_map
 from explicable.first_response.routes import Command, trace_routes
-from explicable.first_response.world import parse_map
 
 WORLD = parse_map("@.*\n.x@")
 OUT = ("move", "r1", "c-0-0", "c-0-1")

@@ -9,16 +9,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from explicable.errors import MapError
-from explicable.first_response.world import (
-    World,
-    cell_at,
-    cell_name,
-    distances,
-    format_map,
-    parse_map,
-    read_map,
-    shortest_path,
-)
+from explicable.first_response.map_file import format_map, parse_map, read_map
+from explicable.first_response.world import World, cell_at, cell_name, distances, shortest_path
 from oracles.first_response import worlds
 
 PLAN = ("#.@o", "..x*", "*...")

@@ -1,7 +1,7 @@
 """Small team tasks for the tests of this folder, and random walks through them."""
 
 from explicable.first_response.encoding import encode
-from explicable.first_response.world import parse_map
+from explicable.first_response.map_file import parse_map
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.labeller import CLASSES, Labeller
 from explicable.labelling.traces import LabelledStep, Trace

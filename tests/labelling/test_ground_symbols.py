@@ -8,7 +8,7 @@ from small_teams import MAPS, courier, first_response, random_trace, walk
 
 from explicable.errors import LabellerError, UsageError
 from explicable.first_response.encoding import encode
-from explicable.first_response.world import parse_map
+from explicable.first_response.map_file import parse_map
 from explicable.labelling.augment import ground_symbol_features
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.labeller import Labeller

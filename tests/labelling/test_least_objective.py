@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from small_teams import random_labeller
 
 from explicable.first_response.encoding import encode
-from explicable.first_response.world import parse_map
+from explicable.first_response.map_file import parse_map
 from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
 from explicable.search import search

@@ -7,7 +7,7 @@ import pytest
 
 from explicable.errors import TraceError, UsageError
 from explicable.first_response.encoding import encode
-from explicable.first_response.world import parse_map
+from explicable.first_response.map_file import parse_map
 from explicable.labelling.traces import (
     LabelledStep,
     Trace,

@@ -10,7 +10,7 @@ import pytest
 
 from explicable.errors import UsageError
 from explicable.first_response.encoding import encode
-from explicable.first_response.world import parse_map
+from explicable.first_response.map_file import parse_map
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.labeller import Labeller
 from explicable.model.grounding import ground_team

@@ -2,19 +2,11 @@
 
 from explicable.first_response.encoding import Semantics, encode
 from explicable.first_response.generator import builtin_maps, generate
+from explicable.first_response.map_file import format_map, parse_map, read_map
 from explicable.first_response.picture_key import key_entries
 from explicable.first_response.rendering import render
 from explicable.first_response.scene import render_scene, scene_key
-from explicable.first_response.world import (
-    Cell,
-    View,
-    World,
-    distances,
-    format_map,
-    parse_map,
-    read_map,
-    shortest_path,
-)
+from explicable.first_response.world import Cell, View, World, distances, shortest_path
 
 __all__ = [
     "Cell",

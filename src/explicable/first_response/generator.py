@@ -9,6 +9,7 @@ from math import inf
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from explicable.errors import MapError, UsageError
+from explicable.first_response.map_file import parse_map
 from explicable.first_response.world import (
     FLOOR,
     HIDDEN,
@@ -20,7 +21,6 @@ from explicable.first_response.world import (
     Cell,
     World,
     distances,
-    parse_map,
     shortest_path,
 )
 
@@ -98,7 +98,7 @@ def generate(
     Examples
     --------
     >>> import numpy as np
-    >>> from explicable.first_response.world import format_map
+    >>> from explicable.first_response.map_file import format_map
     >>> print(format_map(generate(np.random.default_rng(1), height=3, width=5, num_marks=2)), end="")
     #######
     #.x.#*#

@@ -51,7 +51,7 @@ class Labeller:
     Examples
     --------
     >>> from explicable.first_response.encoding import encode
-    >>> from explicable.first_response.world import parse_map
+    >>> from explicable.first_response.map_file import parse_map
     >>> from explicable.labelling.traces import LabelledStep
     >>> from explicable.model.grounding import ground_team
     >>> problem = encode(parse_map("#####\n#@.*#\n#####\n"))
