@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from explicable.cli.files import INPUT_FILE, read_labelled_traces
+from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER, read_labelled_traces
 
 if TYPE_CHECKING:
     from explicable.evaluation.demo import Record
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.option(
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OUTPUT_FOLDER,
     default=Path("demo"),
     show_default=True,
     help="Folder for the report, the plans and everything that they were made from.",

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from explicable.cli.files import INPUT_FILE
+from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -37,7 +37,7 @@ from explicable.cli import EXIT_TRIALS_FAILED
 @click.option(
     "-o",
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OUTPUT_FOLDER,
     help="Folder for records and report. Default: evaluation, or evaluation-quick.",
 )
 @click.option("--report-only", is_flag=True, help="Run nothing; make the report from the records there are.")

@@ -2,6 +2,7 @@
 
 import functools
 import math
+import os
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,8 +22,29 @@ if TYPE_CHECKING:
     from explicable.planning import Telling
 
 INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
-OUTPUT_FILE = click.Path(dir_okay=False, path_type=Path)
 _ADDRESSABLE = 1 << 62  # bytes: more is no limit at all
+
+
+class OutputPath(click.Path):
+    """Where a command will write: what cannot be is refused at once, not after all the work."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path."""
+        path: Any = super().convert(value, param, ctx)
+        place = Path(os.path.realpath(path))
+        if place.is_file():
+            place = place.parent  # a file is replaced, not written to
+        while not place.exists():
+            place = place.parent  # folders that are missing will be made
+            if place.exists() and not place.is_dir():
+                self.fail(f"'{path}' would lie in '{place}', which is no directory", param, ctx)
+        if not os.access(place, os.W_OK):
+            self.fail(f"'{place}' is not writable", param, ctx)
+        return path
+
+
+OUTPUT_FILE = OutputPath(dir_okay=False, path_type=Path)
+OUTPUT_FOLDER = OutputPath(file_okay=False, path_type=Path)
 
 
 class FiniteRange(click.FloatRange):

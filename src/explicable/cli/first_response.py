@@ -5,12 +5,11 @@ from pathlib import Path
 import click
 
 from explicable import first_response as maps
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, OUTPUT_FOLDER
 from explicable.cli.simulate import find_family, participant_options, play_and_write, way_option
 from explicable.model.files import write_whole
 
 SEMANTICS = click.Choice(["persistent", "exclusive"])
-OUTPUT_FOLDER = click.Path(file_okay=False, path_type=Path)
 
 map_argument = click.argument("map_file", metavar="MAP", type=INPUT_FILE)
 semantics_option = click.option(

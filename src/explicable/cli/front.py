@@ -12,6 +12,8 @@ from explicable.cli import EXIT_LIMIT, EXIT_UNSOLVABLE
 from explicable.cli.budgets import Budget, budget_options
 from explicable.cli.files import (
     INPUT_FILE,
+    OUTPUT_FILE,
+    OUTPUT_FOLDER,
     FiniteRange,
     TeamProblemPaths,
     load_labeller,
@@ -42,14 +44,14 @@ if TYPE_CHECKING:
 @click.option(
     "-o",
     "--output",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OUTPUT_FOLDER,
     help="Folder for the table (front.csv) and the plans (plan-1.plan, ...).",
 )
 @click.option(
     "--plot",
     "plot_file",
     metavar="FILE",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=OUTPUT_FILE,
     help="Draw the front: an .svg or .png file. Needs `pip install explicable[evaluation]`.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

@@ -6,11 +6,10 @@ from typing import Literal
 
 import click
 
-from explicable.cli.files import FiniteRange, warn
+from explicable.cli.files import OUTPUT_FOLDER, FiniteRange, warn
 from explicable.cli.power import power
 from explicable.cli.simulate import find_family
 
-FOLDER = click.Path(file_okay=False, path_type=Path)
 STUDY = click.Path(exists=True, file_okay=False, path_type=Path)
 
 study_argument = click.argument("folder", metavar="DIR", type=STUDY)
@@ -41,7 +40,7 @@ def _warn(folder: Path) -> None:
 
 
 @study.command()
-@click.argument("folder", metavar="DIR", type=FOLDER)
+@click.argument("folder", metavar="DIR", type=OUTPUT_FOLDER)
 @click.option("--title", help="What participants see first.")
 @click.option("--language", type=click.Choice(["en", "de"]), default="en", show_default=True)
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of all chance.")
@@ -160,7 +159,7 @@ def simulate(
 
 @study.command()
 @study_argument
-@click.option("-o", "--output", type=FOLDER, required=True, help="Folder to make for the data set.")
+@click.option("-o", "--output", type=OUTPUT_FOLDER, required=True, help="Folder to make for the data set.")
 @database_option
 @json_option
 def export(folder: Path, output: Path, database: str | None, as_json: bool) -> None:

@@ -9,6 +9,7 @@ from explicable.cli import EXIT_BAD_INPUT
 from explicable.cli.files import (
     INPUT_FILE,
     OUTPUT_FILE,
+    OUTPUT_FOLDER,
     TeamProblemPaths,
     read_trace_files,
     team_problem_arguments,
@@ -58,7 +59,7 @@ def merge(files: tuple[Path, ...], output: Path) -> None:
 @click.option(
     "-o",
     "--output",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OUTPUT_FOLDER,
     required=True,
     help="Folder for the parts.",
 )
