@@ -2,75 +2,14 @@
 
 import json
 import re
-import subprocess
-import sys
-from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 import pytest
+from typed_commands import BAD_INPUT, HUMAN, LIMIT, SOLVED, TASK, UNSOLVABLE, USAGE, Finished, explicable
 
 from explicable.model.grounding import ground_team
 from explicable.model.plan import read_plan
 from explicable.pddl import read_team_problem
-
-SOLVED, USAGE, BAD_INPUT, UNSOLVABLE, LIMIT = 0, 2, 3, 4, 5
-
-LAMP_DOMAIN = """(define (domain lamp) (:requirements :strips)
-  (:predicates (on) (broken))
-  (:action press :parameters () :precondition (and) :effect (on)))
-"""
-LAMP = "(define (problem dark) (:domain lamp) (:init) (:goal (on)))"
-BROKEN_LAMP = "(define (problem never) (:domain lamp) (:init) (:goal (broken)))"
-
-
-@dataclass(frozen=True)
-class Finished:
-    code: int
-    out: str
-    err: str
-
-
-def explicable(*arguments, cwd=None):
-    done = subprocess.run(
-        [sys.executable, "-m", "explicable", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        timeout=600,
-        check=False,
-    )
-    assert "Traceback" not in done.stderr
-    return Finished(done.returncode, done.stdout, done.stderr)
-
-
-@pytest.fixture(scope="module")
-def place(tmp_path_factory):
-    """A folder in which a user has made maps, traces, a labeller and a PDDL task."""
-    folder = tmp_path_factory.mktemp("user")
-    for arguments in (
-        ["first-response", "generate", "--num", "5", "-o", "maps"],
-        [
-            "first-response",
-            "simulate",
-            *[f"maps/map-00{i}.map" for i in range(4)],
-            "--num",
-            "8",
-            "-o",
-            "traces.jsonl",
-        ],
-        ["first-response", "encode", "maps/map-004.map", "-o", "task"],
-        ["train", "traces.jsonl", "-o", "labeller.json", "--bootstrap", "5"],
-    ):
-        done = explicable(*arguments, cwd=folder)
-        assert done.code == 0, done.err
-    (folder / "lamp-domain.pddl").write_text(LAMP_DOMAIN)
-    (folder / "lamp.pddl").write_text(LAMP)
-    (folder / "broken-lamp.pddl").write_text(BROKEN_LAMP)
-    return folder
-
-
-TASK = ["task/domain.pddl", "task/problem.pddl"]
-HUMAN = ["--human-domain", "task/human-domain.pddl", "--human-problem", "task/human-problem.pddl"]
 
 
 def plan_as_json(place, *options):
@@ -252,7 +191,7 @@ def test_pictures_are_well_formed(place, tmp_path):
             cwd=place,
         )
         assert done.code == 0
-        assert ET.parse(target).getroot().tag.endswith("svg")  # noqa: S314 (our own picture)
+        assert ET.parse(target).getroot().tag.endswith("svg")
 
 
 def test_the_same_seed_makes_the_same_traces(place, tmp_path):

@@ -4,10 +4,10 @@ import json
 from xml.etree import ElementTree as ET
 
 import pytest
-from test_command_line import BAD_INPUT, HUMAN, SOLVED, TASK, USAGE, explicable, place  # noqa: F401 (a fixture)
+from typed_commands import BAD_INPUT, HUMAN, SOLVED, TASK, USAGE, explicable
 
 
-def test_the_papers_option_from_training_to_the_plan(place, tmp_path):  # noqa: F811
+def test_the_papers_option_from_training_to_the_plan(place, tmp_path):
     labeller = tmp_path / "ground.json"
     done = explicable("train", "traces.jsonl", "-o", labeller, "--augment", "3", "--json", cwd=place)
     assert done.code == SOLVED, done.err
@@ -36,12 +36,12 @@ def test_the_papers_option_from_training_to_the_plan(place, tmp_path):  # noqa: 
         assert "ground.json: this labeller was trained on names" in refused.err
 
 
-def test_held_out_figures_and_their_picture(place, tmp_path):  # noqa: F811
+def test_held_out_figures_and_their_picture(place, tmp_path):
     options = ["--bootstrap", "3", "--cross-validate", "2", "--calibration", tmp_path / "calibration.svg"]
     done = explicable("train", "traces.jsonl", "-o", tmp_path / "l.json", *options, cwd=place)
     assert done.code == SOLVED, done.err
     assert "log-loss" in done.out
-    assert ET.parse(tmp_path / "calibration.svg").getroot().tag.endswith("svg")  # noqa: S314 (our own)
+    assert ET.parse(tmp_path / "calibration.svg").getroot().tag.endswith("svg")
     again = explicable("train", "traces.jsonl", "-o", tmp_path / "l.json", *options, "--json", cwd=place)
     held_out = json.loads(again.out)["held_out"]
     assert held_out["num_traces"] == 8
@@ -56,7 +56,7 @@ def test_held_out_figures_and_their_picture(place, tmp_path):  # noqa: F811
         assert message in refused.err
 
 
-def test_labels_that_are_all_alike_teach_with_a_warning(place, tmp_path):  # noqa: F811
+def test_labels_that_are_all_alike_teach_with_a_warning(place, tmp_path):
     traces = [json.loads(line) for line in (place / "traces.jsonl").read_text().splitlines()]
     for trace in traces:
         for step in trace["steps"]:
@@ -70,7 +70,7 @@ def test_labels_that_are_all_alike_teach_with_a_warning(place, tmp_path):  # noq
 
 
 @pytest.fixture
-def steps(place):  # noqa: F811
+def steps(place):
     """The first trace of the study as plain text, with a problem of its own."""
     record = json.loads((place / "traces.jsonl").read_text().splitlines()[0])
     words = {True: "yes", False: "no", None: "?"}
@@ -128,7 +128,7 @@ def test_plain_text_that_is_no_trace_is_refused(steps, tmp_path, text, message):
     "arguments",
     [["check"], ["merge", "-o", "new.jsonl"], ["split", "--by", "annotator", "-o", "parts"]],
 )
-def test_a_file_without_traces_is_an_error(place, tmp_path, arguments):  # noqa: F811
+def test_a_file_without_traces_is_an_error(place, tmp_path, arguments):
     (tmp_path / "empty.jsonl").write_text("\n")
     done = explicable("traces", *arguments, place / "traces.jsonl", "empty.jsonl", cwd=tmp_path)
     assert done.code == BAD_INPUT
@@ -136,7 +136,7 @@ def test_a_file_without_traces_is_an_error(place, tmp_path, arguments):  # noqa:
     assert [path.name for path in tmp_path.iterdir()] == ["empty.jsonl"]
 
 
-def test_a_file_named_twice_counts_once_and_is_warned_of(place, tmp_path):  # noqa: F811
+def test_a_file_named_twice_counts_once_and_is_warned_of(place, tmp_path):
     whole = place / "traces.jsonl"
     done = explicable("traces", "merge", whole, place / "." / "traces.jsonl", "-o", tmp_path / "new.jsonl")
     assert done.code == SOLVED

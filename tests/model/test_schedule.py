@@ -29,7 +29,7 @@ def random_walk(task, rng, length):
 
 def random_schedule(seed, length=6):
     """A random plan of a random ADL problem, whose actors are made up."""
-    rng = random.Random(seed)  # noqa: S311
+    rng = random.Random(seed)
     problem = ProblemMaker(rng).problem()
     task = ground(problem)
     actions = random_walk(task, rng, length)
@@ -67,7 +67,7 @@ def test_acting_at_once_comes_to_the_same_as_one_after_the_other(seed):
     task, actions, _, schedule = random_schedule(seed, length=8)
     end = task.execute(actions).states[-1]
     for number in range(10):
-        order = overlapping_orders(schedule, random.Random(number))  # noqa: S311
+        order = overlapping_orders(schedule, random.Random(number))
         assert task.execute(order).states[-1] == end
 
 

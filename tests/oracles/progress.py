@@ -61,7 +61,7 @@ def least(facts, cost):
 
 def toward_request(team, operator, distance):
     task = team.task
-    cost = lambda fact: distance.get(fact, math.inf)  # noqa: E731
+    cost = lambda fact: distance.get(fact, math.inf)  # noqa: E731 (short)
     return judge(least(used_up(task, operator), cost), least(added(task, operator), cost))
 
 

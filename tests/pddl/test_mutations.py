@@ -124,7 +124,7 @@ def survives(rng):
 
 
 def check(num_files, seed):
-    rng = random.Random(seed)  # noqa: S311 (not for secrets)
+    rng = random.Random(seed)
     num_tasks = sum(survives(rng) for _ in range(num_files))
     assert 0.05 < num_tasks / num_files < 0.6  # else the damage is too hard or too soft to be a test
 
@@ -139,7 +139,7 @@ def test_a_hundred_thousand_damaged_files_give_a_task_or_an_error():
 
 
 def test_the_fast_way_through_initial_states_reads_as_the_careful_one(monkeypatch):
-    rng = random.Random(3)  # noqa: S311 (not for secrets)
+    rng = random.Random(3)
     before, _, rest = PROBLEM.partition("(:init")
     init, _, after = rest.partition("(:goal")
     texts = [f"{before}(:init{damage(init, rng)}(:goal{after}" for _ in range(250)]
@@ -150,7 +150,7 @@ def test_the_fast_way_through_initial_states_reads_as_the_careful_one(monkeypatc
 
 
 def test_damaged_bytes_give_a_domain_or_an_error(tmp_path):
-    rng = random.Random(4)  # noqa: S311 (not for secrets)
+    rng = random.Random(4)
     path = tmp_path / "domain.pddl"
     num_errors = 0
     for _ in range(200):

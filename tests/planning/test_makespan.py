@@ -51,7 +51,7 @@ def least_makespan(team_task, durations):
 @settings(max_examples=100)
 @given(st.integers(0, 10**6), st.booleans())
 def test_what_is_proved_is_the_least_makespan_of_all_plans(seed, strips):
-    rng = random.Random(seed)  # noqa: S311
+    rng = random.Random(seed)
     problem = Actors(ProblemMaker(rng, strips=strips).problem())
     task = ground(problem.robot)
     team_task = TeamTask(problem, task, task)

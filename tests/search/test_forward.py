@@ -59,7 +59,7 @@ def test_other_initial_states_and_goals(tiny, wanted):
     task = ground(tiny.problem())
     goal = frozenset(fact for fact in wanted if fact < tiny.num_facts)
     state = tiny.initial
-    for _, state in tiny.successors(tiny.initial):  # the last successor, if any  # noqa: B007
+    for _, state in tiny.successors(tiny.initial):  # noqa: B007 (the last successor, if any)
         pass
     other = type(tiny)(tiny.num_facts, tiny.operators, state, goal)
     packed = task.state_of((f"f{fact}",) for fact in state)

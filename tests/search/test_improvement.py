@@ -62,7 +62,7 @@ def test_the_objective_is_that_of_the_plan(large):
 def test_what_on_better_raises_ends_the_search(large):
     task, scorer = large
 
-    def refuse(objective):  # noqa: ARG001
+    def refuse(objective):  # noqa: ARG001 (the callback's signature)
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):

@@ -85,11 +85,11 @@ class Counting:
         assert len(before) == len(after)
         return (*context, step)
 
-    def score(self, context, state, relaxed_plan):  # noqa: ARG002
+    def score(self, context, state, relaxed_plan):  # noqa: ARG002 (the scorer's signature)
         steps = (*context, *relaxed_plan)
         return sum(self.weights[step] for step in steps), 0.0, len(steps)
 
-    def closing_key(self, context):  # noqa: ARG002
+    def closing_key(self, context):  # noqa: ARG002 (the scorer's signature)
         return 0
 
 
@@ -140,7 +140,7 @@ def test_errors_of_a_python_scorer_come_through():
     task = ground(TinyTask(1, (), frozenset(), frozenset()).problem())
 
     class Broken(Counting):
-        def root(self, state):  # noqa: ARG002
+        def root(self, state):  # noqa: ARG002 (the scorer's signature)
             raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):

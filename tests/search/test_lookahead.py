@@ -70,7 +70,7 @@ def test_labelled_contexts_follow_the_steps_of_a_lookahead(tiny, data, closing):
             steps = (*context, *relaxed_plan)
             return sum(weights[step] for step in steps), 0.0, len(steps)
 
-        def closing_key(self, context):  # noqa: ARG002
+        def closing_key(self, context):  # noqa: ARG002 (the scorer's signature)
             return 0
 
     replaying = _core.CallbackScorer(task.core, Replaying())

@@ -41,7 +41,7 @@ class StudyServer:
             if self.process.poll() is not None:
                 self._launch()  # such as when the database was still recovering
             try:
-                with urllib.request.urlopen(f"{self.link}health", timeout=5) as answer:  # noqa: S310
+                with urllib.request.urlopen(f"{self.link}health", timeout=5) as answer:  # noqa: S310 (our own server)
                     if answer.status == 200:
                         return
             except (urllib.error.URLError, OSError):
@@ -152,7 +152,7 @@ def killing(kills, num_kills, seed):
     `kills` are functions of a random number generator; chance says which comes next. Where the block fails,
     the killing ends as well.
     """
-    rng, over, given_up = random.Random(seed), threading.Event(), threading.Event()  # noqa: S311
+    rng, over, given_up = random.Random(seed), threading.Event(), threading.Event()
     problems = []
 
     def work():

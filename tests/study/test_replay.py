@@ -116,7 +116,7 @@ def test_a_task_names_its_renderer(tmp_path):
         assert view["number"] == 0 or view["became_true"] or view["became_false"]
     carried = next(view["picture"] for view in shown if "carries" in str(view["became_true"]))
     _, cart, parcel, place = next(action for action in read_plan(folder / "plan.txt") if action[0] == "load")
-    boxes = {box.findtext(f"{SVG}text"): box for box in ET.fromstring(carried).iter(f"{SVG}g")}  # noqa: S314
+    boxes = {box.findtext(f"{SVG}text"): box for box in ET.fromstring(carried).iter(f"{SVG}g")}
     assert boxes[cart] in boxes[place].iter()
     assert boxes[parcel] in boxes[cart].iter()
 

@@ -50,7 +50,7 @@ class Scripted:
             self.reports.append(report)
         return answer
 
-    def poll(self, timeout_s=0.0):  # noqa: ARG002
+    def poll(self, timeout_s=0.0):  # noqa: ARG002 (it never waits)
         if not self.reports or self.closed:
             return None
         if not isinstance(self.reports[0], Observation):

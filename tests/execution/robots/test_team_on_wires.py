@@ -19,7 +19,7 @@ from explicable.model.grounding import ground
 from explicable.model.schedule import make_schedule
 from explicable.search import search
 
-TOKEN = "a token of sixteen"  # noqa: S105
+TOKEN = "a token of sixteen"  # noqa: S105 (it guards nothing)
 
 
 class SharedWorld(SimulatedWorld):
