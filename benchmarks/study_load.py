@@ -85,7 +85,8 @@ def processor_s(folder: Path) -> tuple[float, float, float]:
     server = psutil.Process().children(recursive=True)
     database = list[psutil.Process]()
     for process in psutil.process_iter(["name", "cmdline"]):
-        if process.info["name"] == "postgres" and str(folder.parent) in " ".join(process.info["cmdline"] or []):
+        command = " ".join(process.info["cmdline"] or [])  # a process that ends has none any more
+        if process.info["name"] == "postgres" and str(folder.parent) in command:
             database += [process, *process.children(recursive=True)]
     return _sum(server), _sum(database), time.process_time()
 
