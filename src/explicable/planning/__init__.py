@@ -1,7 +1,7 @@
 """Where search meets labelling: planning with regard to what the person expects.
 
 =========  ==========================================================================================
-plans      `planner` (the paper's Eq. 3 and 4), `pareto` (the front), `budgets`, `ranking`
+plans      `team_plan` (Eq. 3), `planner` (Eq. 4), `exploration` of the `pareto` front, `budgets`, `ranking`
 telling    `telling` searches with the `listener`; `tellings` in plans and plan files
 schedules  `makespan` with `relaxed_times` and `gantt`: steps that overlap
 measures   `measures` calls `distances`, `observer` (with `beliefs`) and `predictions` of what people do
@@ -21,20 +21,14 @@ if TYPE_CHECKING:
     from explicable.planning.correction import correct
     from explicable.planning.differences import Comparison, Difference, compare, find_differences
     from explicable.planning.explanation import Finding, StepExplanation, explain
+    from explicable.planning.exploration import front
     from explicable.planning.makespan import ScheduledPlan, plan_schedule, schedule_plan
     from explicable.planning.measures import Measures, measure
-    from explicable.planning.pareto import FrontPlan, front
-    from explicable.planning.planner import (
-        TeamPlan,
-        check_alpha,
-        joint_plan,
-        objective,
-        plan_as_in_paper,
-        plan_classically,
-        plan_explicably,
-    )
+    from explicable.planning.pareto import FrontPlan
+    from explicable.planning.planner import plan_as_in_paper, plan_classically, plan_explicably
     from explicable.planning.predictions import HumanModel, PredictedSteps
     from explicable.planning.ranking import RankedPlan, rank
+    from explicable.planning.team_plan import TeamPlan, check_alpha, joint_plan, objective
     from explicable.planning.telling import ToldPlan, conform_or_explain
     from explicable.planning.tellings import Telling, part_tellings
 
@@ -49,20 +43,20 @@ _HOMES = {
     "RankedPlan": "ranking",
     "ScheduledPlan": "makespan",
     "StepExplanation": "explanation",
-    "TeamPlan": "planner",
+    "TeamPlan": "team_plan",
     "Telling": "tellings",
     "ToldPlan": "telling",
-    "check_alpha": "planner",
+    "check_alpha": "team_plan",
     "choose": "budgets",
     "compare": "differences",
     "conform_or_explain": "telling",
     "correct": "correction",
     "explain": "explanation",
     "find_differences": "differences",
-    "front": "pareto",
-    "joint_plan": "planner",
+    "front": "exploration",
+    "joint_plan": "team_plan",
     "measure": "measures",
-    "objective": "planner",
+    "objective": "team_plan",
     "part_tellings": "tellings",
     "plan_as_in_paper": "planner",
     "plan_classically": "planner",

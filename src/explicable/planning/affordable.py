@@ -10,7 +10,8 @@ makes the other superfluous only if it costs no more, too.
 from typing import TYPE_CHECKING
 
 from explicable.model.team import TeamTask
-from explicable.planning.planner import TeamPlan, plan_explicably
+from explicable.planning.planner import plan_explicably
+from explicable.planning.team_plan import TeamPlan
 
 if TYPE_CHECKING:
     from explicable.labelling import Labeller

@@ -10,7 +10,8 @@ from explicable.errors import UsageError
 from explicable.model.team import TeamTask
 from explicable.planning.affordable import plan_most_explicably
 from explicable.planning.pareto import ROUNDING, FrontPlan
-from explicable.planning.planner import TeamPlan, plan_classically
+from explicable.planning.planner import plan_classically
+from explicable.planning.team_plan import TeamPlan
 from explicable.search import Outcome, held_interrupt
 
 if TYPE_CHECKING:

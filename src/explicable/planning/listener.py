@@ -14,7 +14,7 @@ from explicable.model.plan import JointPlan
 from explicable.model.team import TeamTask
 from explicable.planning.differences import Difference
 from explicable.planning.explanation import tell
-from explicable.planning.planner import joint_plan
+from explicable.planning.team_plan import joint_plan
 from explicable.planning.tellings import Telling
 from explicable.search import search
 

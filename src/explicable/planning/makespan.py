@@ -25,8 +25,9 @@ from explicable.model.schedule import Schedule, make_schedule
 from explicable.model.team import TeamTask
 from explicable.planning.best_schedule import BestSchedule, schedule_objective
 from explicable.planning.goal_orders import GoalOrders
-from explicable.planning.planner import check_alpha, plan_explicably
+from explicable.planning.planner import plan_explicably
 from explicable.planning.relaxed_times import Node, RelaxedTimes, Timetable
+from explicable.planning.team_plan import check_alpha
 from explicable.planning.tellings import Telling, label_told
 from explicable.search import Outcome, search
 

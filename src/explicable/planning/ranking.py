@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from explicable.errors import PlanError
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
-from explicable.planning.planner import check_alpha, joint_plan, objective
+from explicable.planning.team_plan import check_alpha, joint_plan, objective
 
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan, Labeller
