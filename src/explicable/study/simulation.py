@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from explicable.model.problem import GroundAtom
 
 _HIDDEN = re.compile(r'<input type="hidden" name="(\w+)" value="([^"]*)"')
-_MAX_TRIES = 480
+_MAX_TRIES = 2400
 _RETRY_S = 0.25
 _FIRST_ANSWER_S = 30
 
