@@ -114,7 +114,7 @@ def render_html(page: Page) -> str:
 
 
 def render_markdown(page: Page) -> str:
-    """Return the same as Markdown, without the figures.
+    """Return the same as Markdown, without the figures; the first answer to each question comes first.
 
     Examples
     --------
@@ -124,6 +124,8 @@ def render_markdown(page: Page) -> str:
     """
     lines = [f"# {page.title}", "", page.summary, ""]
     lines += [f"- {name}: {value}" for name, value in page.facts.items()]
+    first = [f"- **{section.question}** {section.answers[0]}" for section in page.sections if section.answers]
+    lines += ["", *first] if first else []
     for section in page.sections:
         lines += ["", f"## {section.question}", "", *(f"- {answer}" for answer in section.answers)]
         for table in section.tables:
