@@ -55,23 +55,17 @@ def start(
         return before
     free_places(materials, tx, request.time)
     origin = "simulated" if simulated else "person"
-    study, taken = materials.study, tx.places(origin)
     seed = sum(tx.count(tables.PARTICIPANTS).values())
-    rng = np.random.default_rng((study.seed, seed))
-    sessions = tx.count(tables.SESSIONS, "condition", "stage", origin=origin)
-    uses = dict.fromkeys(materials.conditions, 0)
-    for (condition, stage), count in sessions.items():
-        if condition in uses and stage not in {Stage.RETURNED, Stage.EXCLUDED}:
-            uses[condition] += count
-    condition = least_used(list(uses), uses, rng)
-    chosen = _draw(materials, taken, condition, rng)
+    rng = np.random.default_rng((materials.study.seed, seed))
+    condition = _condition(materials, tx, origin, rng)
+    chosen = _draw(materials, tx.places(origin), condition, rng)
     if not chosen:
         raise NoPlaceError("nobody else is needed")
-    session = secrets.token_urlsafe(32)
     participant = f"{simulated}-{secrets.token_hex(4)}" if simulated else f"p-{secrets.token_hex(8)}"
     tx.add(tables.PARTICIPANTS, id=participant, origin=origin, created=request.time)
     for name, value in recruit.values.items():
         tx.add(tables.RECRUITS, participant=participant, platform=recruit.platform, name=name, value=value)
+    session = secrets.token_urlsafe(32)
     tx.add(
         tables.SESSIONS,
         id=session,
@@ -92,15 +86,8 @@ def start(
     )
     for position, task in enumerate((PRACTICE, *chosen)):
         kind = "practice" if position == 0 else materials.tasks[task].kind
-        tx.add(
-            tables.ASSIGNMENTS,
-            session=session,
-            origin=origin,
-            position=position,
-            task=task,
-            kind=kind,
-            status="open",
-        )
+        places = {"session": session, "origin": origin, "position": position}
+        tx.add(tables.ASSIGNMENTS, **places, task=task, kind=kind, status="open")
     note(tx, session, origin, "consented", request, {"condition": condition})
     return session
 
@@ -139,6 +126,15 @@ def _earlier_session(materials: Materials, tx: Transaction, recruit: Recruit) ->
             return str(session.id)
         raise RepeatError("this person has taken part before")
     return None
+
+
+def _condition(materials: Materials, tx: Transaction, origin: str, rng: np.random.Generator) -> str:
+    """Choose the condition that fewest people have who went on, or still may."""
+    uses = dict.fromkeys(materials.conditions, 0)
+    for (condition, stage), count in tx.count(tables.SESSIONS, "condition", "stage", origin=origin).items():
+        if condition in uses and stage not in {Stage.RETURNED, Stage.EXCLUDED}:
+            uses[condition] += count
+    return least_used(list(uses), uses, rng)
 
 
 def _draw(
