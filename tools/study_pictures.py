@@ -32,7 +32,15 @@ picture = "places"
 """
 WIDTHS = {"wide": (1100, 760), "narrow": (360, 740)}
 SCHEMES = {"wide": "light", "narrow": "dark"}
-FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"]
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--no-first-run",
+    "--disable-features=LocalNetworkAccessChecks",  # for the frame of Mechanical Turk
+]
+TURK = "https://www.mturk.com"
 
 
 def open_page(browser: Browser, width: str, scheme: str) -> Page:
@@ -143,14 +151,14 @@ def visit_replay(browser: Browser, link: str, width: str, scheme: str) -> None:
     page = open_page(browser, width, scheme)
     page.goto(f"{link}?assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=H")
     photograph(page, f"preview-{width}")
-    # As in a frame of Mechanical Turk: of its frames no picture of a whole page can be taken.
-    page.route(
-        f"{link}?*",
-        lambda route: route.continue_(headers={**route.request.headers, "sec-fetch-dest": "iframe"}),
+    source = f"{link}?assignmentId=A&hitId=H&workerId=W&turkSubmitTo={TURK}"
+    shown = (
+        f'<body style="margin: 0"><iframe width="100%" height="600" frameborder="0" src="{source}"></iframe>'
     )
-    page.goto(f"{link}?assignmentId=A&hitId=H&workerId=W&turkSubmitTo=https://www.mturk.com")
+    page.route(f"{TURK}/**", lambda route: route.fulfill(content_type="text/html", body=shown))
+    page.goto(f"{TURK}/projects")
+    page.frame_locator("iframe").get_by_role("heading").wait_for()
     photograph(page, f"doorway-{width}")
-    page.unroute(f"{link}?*")
     page.goto(link)
     page.click("button[value=no]")
     photograph(page, f"declined-{width}")
