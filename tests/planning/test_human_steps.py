@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from explicable._core import CallbackScorer
+from explicable._core import CallbackScorer, CountingScorer
 from explicable.errors import UsageError
 from explicable.labelling.choices import ChoiceModel
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.situations import HUMAN_FEATURES
 from explicable.planning import HumanModel, plan_explicably
-from explicable.search import search
+from explicable.search import scorer_of, search
 from planning.floors import DETOUR, PATIENCE_S, command, floor, judge_of_progress
 
 # Robot between two rooms: the near one lies in a dead end, so that the far one is best visited last or first.
@@ -132,6 +132,17 @@ def test_a_labeller_in_python_plans_as_the_compiled_one_does(algorithm, closing,
         return
     plans = [search(team.task, algorithm, scorer=s, closing="state").operators for s in (compiled, asked)]
     assert plans[0] == plans[1]
+
+
+@pytest.mark.parametrize("algorithm", ["default", "ff", "lazy", "eager", "anytime"])
+def test_any_function_that_counts_inexplicable_steps_guides_the_search(algorithm):
+    task = floor("#####\n#@o*#\n#...#\n#####\n").task
+    odd = [float(task.action(o)[0] == "remove-obstacle") for o in range(task.num_operators)]
+    asked = scorer_of(task, lambda path, rest: sum(a[0] == "remove-obstacle" for a in (*path, *rest)))
+    own, same = (search(task, algorithm, scorer=s, alpha=5.0) for s in (asked, CountingScorer(odd)))
+    assert (own.objective, own.is_optimal) == (same.objective, same.is_optimal)
+    if algorithm == "anytime":
+        assert sum(odd[operator] for operator in own.operators) == 0  # the long way round
 
 
 def test_one_scorer_serves_several_threads():

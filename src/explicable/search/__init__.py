@@ -1,8 +1,18 @@
 """Heuristic search over grounded tasks."""
 
 from explicable._core import PathScorer
+from explicable.search.any_labeller import scorer_of
 from explicable.search.forward import Algorithm, Closing, search
 from explicable.search.interruption import held_interrupt
 from explicable.search.result import Outcome, SearchResult
 
-__all__ = ["Algorithm", "Closing", "Outcome", "PathScorer", "SearchResult", "held_interrupt", "search"]
+__all__ = [
+    "Algorithm",
+    "Closing",
+    "Outcome",
+    "PathScorer",
+    "SearchResult",
+    "held_interrupt",
+    "scorer_of",
+    "search",
+]
