@@ -1,5 +1,8 @@
 """`explicable evaluate`: experiments, from their files to tables, figures and a page."""
 
+import signal
+import threading
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -76,7 +79,10 @@ def evaluate(
     if report_only:
         records = read_records(experiments, folder)
     else:
-        with _progress(sum(len(experiment.trials()) for experiment in experiments)) as tell:
+        with (
+            _ended_in_order(),
+            _progress(sum(len(experiment.trials()) for experiment in experiments)) as tell,
+        ):
             records = run_experiments(experiments, folder, jobs=jobs, scheduler=scheduler, tell=tell)
     write_results(experiments, records, folder)
     num_failed = sum(record["outcome"] == "failed" for rows in records.values() for record in rows)
@@ -84,10 +90,21 @@ def evaluate(
     return EXIT_TRIALS_FAILED if num_failed else 0
 
 
+@contextmanager
+def _ended_in_order() -> "Iterator[None]":
+    """Let SIGTERM end a run as Ctrl-C does, so that no worker stays behind."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
 def _progress(num_trials: int) -> "AbstractContextManager[Tell]":
     """Show how far it has come and how long it will still take, on a terminal."""
-    from contextlib import contextmanager
-
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
