@@ -132,20 +132,14 @@ void TeamTables::find_tours(const Task& task, const std::vector<Distance>& dista
     }
 }
 
-GoalProgress TeamTables::toward_goals(OperatorId step, const OpenGoals& open) const {
+GoalProgress TeamTables::find_toward_goals(OperatorId step, const OpenGoals& open) const {
     if (open.num_open() == 0) return {Progress::kNoTarget, Progress::kNoTarget, Progress::kNoTarget};
-    if (!remembered_) return look_toward_goals(step, open);
-    auto& remembered = remembered_[open.bits() * steps_.size() + static_cast<std::size_t>(step)];
-    const unsigned code = remembered.load(std::memory_order_relaxed);
-    if (code != 0) {
-        return {static_cast<Progress>(code & 15), static_cast<Progress>(code >> 4 & 15),
-                static_cast<Progress>(code >> 8 & 15)};
-    }
     const GoalProgress progress = look_toward_goals(step, open);
-    remembered.store(static_cast<std::uint16_t>(1u << 12 | static_cast<unsigned>(progress.mission) << 8 |
-                                                static_cast<unsigned>(progress.own) << 4 |
-                                                static_cast<unsigned>(progress.mental)),
-                     std::memory_order_relaxed);
+    if (remembered_)
+        remembered_[open.bits() * steps_.size() + static_cast<std::size_t>(step)].store(
+            static_cast<std::uint16_t>(1u << 12 | static_cast<unsigned>(progress.mission) << 8 |
+                                       static_cast<unsigned>(progress.own) << 4 | static_cast<unsigned>(progress.mental)),
+            std::memory_order_relaxed);
     return progress;
 }
 

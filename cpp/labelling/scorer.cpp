@@ -53,13 +53,14 @@ void Scorer::extend(const std::byte* parent, OperatorId step, const State& befor
 // Takes in a relaxed plan; makes the features of the last step final.
 template <class Labels>
 void Scorer::walk(Context& context, Labels& labels, const State& state, std::span<const OperatorId> relaxed_plan) const {
+    Batch<Labels> batch(labels);
     if (!relaxed_plan.empty()) {
         OpenGoals goals(tables_->goals.size());
         read_goals(task_, *tables_, state, goals);
         for (const auto step : relaxed_plan) tables_->prefetch(step, context.situation.request(), goals);
         for (const auto step : relaxed_plan) {
             if ((*tables_)[step].schema < 0) continue;
-            advance(context, labels, step, goals);
+            advance(context, batch, step, goals);
             if (!(*tables_)[step].achieves) continue;
             for (const auto goal : tables_->achieves[step]) goals.close(static_cast<std::size_t>(goal));
         }
@@ -67,7 +68,22 @@ void Scorer::walk(Context& context, Labels& labels, const State& state, std::spa
     if (context.num_steps == 0) return;
     const auto& situation = context.situation;
     const bool human = is_human(situation.last);
-    append(labels, human, human ? 0 : context.pending + look_ahead(situation, -1, kNothing));
+    append(batch, human, human ? 0 : context.pending + look_ahead(situation, -1, kNothing));
+    flush(batch);
+}
+
+template <class Labels>
+void Scorer::append(Batch<Labels>& batch, bool is_human, double score) const {
+    batch.steps[batch.size++] = {score, is_human};
+    if (batch.size == batch.steps.size()) flush(batch);
+}
+
+template <class Labels>
+void Scorer::flush(Batch<Labels>& batch) const {
+    Labels labels = batch.labels;
+    for (std::size_t i = 0; i < batch.size; ++i) append(labels, batch.steps[i].is_human, batch.steps[i].score);
+    batch.labels = labels;
+    batch.size = 0;
 }
 
 PathScore Scorer::score(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) const {
@@ -238,7 +254,7 @@ void Scorer::remember(Situation& situation, OperatorId step, int neighbour) cons
         count = static_cast<std::int32_t>(kept - open.begin());
     };
     if (!is_human(step)) {
-        std::shift_right(situation.robot_steps.begin(), situation.robot_steps.end(), 1);
+        for (std::size_t i = kRecentSteps - 1; i > 0; --i) situation.robot_steps[i] = situation.robot_steps[i - 1];
         situation.robot_steps[0] = step;
         if (count > 0 && (*tables_)[step].fulfils)
             for (const auto request : tables_->fulfils[step]) close(request);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -93,6 +94,18 @@ private:
     struct Equalities {
         double of_step = 0, of_last = 0;
     };
+    // Steps whose labels are still to be appended: all in one loop, where the processor keeps the labels in registers.
+    template <class Labels>
+    struct Batch {
+        explicit Batch(Labels& all_labels) : labels(all_labels) {}
+        struct Step {
+            double score;
+            bool is_human;
+        };
+        Labels& labels;
+        std::array<Step, 64> steps;
+        std::size_t size = 0;
+    };
     struct Context {
         Situation situation;
         Chain chain;         // all steps but the last
@@ -133,8 +146,12 @@ private:
     void append_expected(Chain& chain, bool is_human, double score) const;
     template <int kPowers>
     void append(Tally<kPowers>& tally, bool is_human, double score) const {
-        tally.append(factors_, is_human, score);
+        tally.append(factors_, is_human ? -std::numeric_limits<double>::infinity() : score);
     }
+    template <class Labels>
+    void append(Batch<Labels>& batch, bool is_human, double score) const;
+    template <class Labels>
+    void flush(Batch<Labels>& batch) const;
     template <int kPowers>
     static Tally<kPowers> tally_of(const Chain& chain) {
         return {chain.odds, chain.count, chain.variance, chain.is_empty};

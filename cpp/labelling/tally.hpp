@@ -30,9 +30,9 @@ public:
         return std::max(total(2) / total(0) - beyond * beyond, 0.0);
     }
 
-    // `factors`: of the labels before and after, none above 1; `score`: log odds of "inexplicable", which no human step is.
+    // `factors`: of the labels before and after, none above 1; `score`: log odds of "inexplicable", -infinity for a human step.
     // Nothing overflows, since no factor exceeds 1; nothing vanishes, since it is scaled up in time.
-    void append(const std::array<std::array<double, 2>, 2>& factors, bool is_human, double score) {
+    void append(const std::array<std::array<double, 2>, 2>& factors, double score) {
         if (is_empty_)
             moment_[0] = {1, 1};
         else
@@ -42,16 +42,15 @@ public:
                 other = before * factors[0][1] + other * factors[1][1];
             }
         is_empty_ = false;
-        if (is_human) {
-            for (auto& of_labels : moment_) of_labels[1] = 0;
-        } else {
-            // One more is inexplicable: (c + 1)^2 = c^2 + 2 c + 1.
-            if constexpr (kPowers > 1) moment_[2][1] += 2 * moment_[1][1] + moment_[0][1];
-            moment_[1][1] += moment_[0][1];
-            const double less = std::exp(-std::abs(score));
-            const std::array<double, 2> factor{score > 0 ? less : 1, score > 0 ? 1 : less};
-            for (auto& of_labels : moment_)
-                for (std::size_t label = 0; label < 2; ++label) of_labels[label] *= factor[label];
+        // One more is inexplicable: (c + 1)^2 = c^2 + 2 c + 1.
+        if constexpr (kPowers > 1) moment_[2][1] += 2 * moment_[1][1] + moment_[0][1];
+        moment_[1][1] += moment_[0][1];
+        // Looked up rather than branched on: which of the two is less likely cannot be predicted.
+        const std::array<double, 2> factor{1, std::exp(-std::abs(score))};
+        const bool likely = score > 0;
+        for (auto& of_labels : moment_) {
+            of_labels[0] *= factor[likely];
+            of_labels[1] *= factor[!likely];
         }
         const double sum = total(0);
         if (sum > 1e-30) return;

@@ -126,7 +126,12 @@ public:
                                           static_cast<std::size_t>(request)];
         return {static_cast<Progress>(code >> 4), static_cast<Progress>(code & 15)};
     }
-    GoalProgress toward_goals(OperatorId step, const OpenGoals& goals) const;
+    GoalProgress toward_goals(OperatorId step, const OpenGoals& goals) const {
+        if (!remembered_) return find_toward_goals(step, goals);
+        const unsigned code = remembered_[goals.bits() * steps_.size() + static_cast<std::size_t>(step)].load(std::memory_order_relaxed);
+        if (code == 0) return find_toward_goals(step, goals);
+        return {static_cast<Progress>(code & 15), static_cast<Progress>(code >> 4 & 15), static_cast<Progress>(code >> 8 & 15)};
+    }
     // Asks the processor to fetch what toward_request() and toward_goals() will read.
     void prefetch(OperatorId step, int request, const OpenGoals& goals) const {
         const auto place = static_cast<std::size_t>(step);
@@ -158,6 +163,7 @@ public:
 
 private:
     bool surely_takes_back(OperatorId step, OperatorId earlier) const;
+    GoalProgress find_toward_goals(OperatorId step, const OpenGoals& goals) const;
     GoalProgress look_toward_goals(OperatorId step, const OpenGoals& goals) const;
     void find_requests(const Task& task);
     void find_goals(const Task& task);
