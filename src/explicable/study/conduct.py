@@ -44,23 +44,28 @@ class Session:
 
 @dataclass(frozen=True, slots=True)
 class Assignment:
-    """A task that is under way, as the database has it."""
+    """One of a session's tasks, as the database has it."""
 
     id: int
     task: str
+    status: str
     announced: str | None
     started: float | None
 
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """Where a session stands; task, material and moment where one is under way."""
+    """Where a session stands: its tasks, the practice first, and material and moment of one under way."""
 
     session: Session
-    num_tasks: int
-    assignment: Assignment | None = None
+    assignments: tuple[Assignment, ...]
     material: Material | None = None
     moment: Moment | None = None
+
+    @property
+    def num_tasks(self) -> int:
+        """The number of tasks, without the practice."""
+        return len(self.assignments) - 1
 
     @property
     def stage(self) -> Stage:
@@ -96,11 +101,12 @@ class Conduct:
         row = tx.find(tables.SESSIONS, id=session)
         if row is None:
             raise UnknownSessionError("there is no such session")
-        return self._standing(tx, _session_of(row))
+        return self._read(tx, _session_of(row))
 
     def standing_and_recruit(self, tx: Transaction, session: str) -> tuple[Standing, dict[str, str]]:
-        """Return where a session stands, and what the recruitment platform told."""
-        return self.standing(tx, session), self.recruit(tx, session)
+        """Return where a session stands; at its end also what the recruitment platform told, to go back."""
+        standing = self.standing(tx, session)
+        return standing, self.recruit(tx, session) if standing.stage is Stage.DEBRIEF else {}
 
     def recruit(self, tx: Transaction, session: str) -> dict[str, str]:
         """Return what the recruitment platform told about whose session it is."""
@@ -180,7 +186,7 @@ class Conduct:
             changes["attempts"] = row.attempts + 1
         if event is Event.UNDERSTOOD:
             changes["position"] = 1
-        if event is Event.INSTRUCTED and self._has_practised(tx, row):
+        if event is Event.INSTRUCTED and standing.assignments[0].status == "done":
             changes["stage"] = advance(Stage.PRACTICE, Event.PRACTISED).value
         for name, value in (answers or {}).items():
             tx.add(
@@ -196,7 +202,8 @@ class Conduct:
         if changes["stage"] in {Stage.RETURNED, Stage.EXCLUDED}:
             free_tasks(tx, session)
         note(tx, session, row.origin, event.value, request, {"stage": stage.value})
-        return self._now(tx, self._standing(tx, self._change(tx, row, request, **changes)))
+        session_now = self._change(tx, row, request, **changes)
+        return self._now(tx, self._standing(tx, session_now, standing.assignments))
 
     def _found(self, tx: Transaction, session: str, request: Request) -> tuple[Standing, bool]:
         """Return where a session stands, and whether the request is a known one: from memory if possible."""
@@ -206,36 +213,40 @@ class Conduct:
         row = tx.lock_session(session, request.id)
         if row is None:
             raise UnknownSessionError("there is no such session")
-        return self._standing(tx, _session_of(row)), bool(row.is_repeated)
+        return self._read(tx, _session_of(row)), bool(row.is_repeated)
 
     def _now(self, tx: Transaction, standing: Standing) -> Standing:
         """Remember where a session stands now."""
         tx.remember(standing.session.id, standing)
         return standing
 
-    def _standing(self, tx: Transaction, session: Session) -> Standing:
-        assignments = tx.all(tables.ASSIGNMENTS, "position", session=session.id)
-        num_tasks = len(assignments) - 1
+    def _read(self, tx: Transaction, session: Session) -> Standing:
+        """Read where a session stands."""
+        names = [field.name for field in fields(Assignment)]
+        rows = tx.all(tables.ASSIGNMENTS, "position", session=session.id)
+        assignments = tuple(Assignment(**{name: getattr(row, name) for name in names}) for row in rows)
+        return self._standing(tx, session, assignments)
+
+    def _standing(self, tx: Transaction, session: Session, assignments: tuple[Assignment, ...]) -> Standing:
+        """Return where a session stands; read the steps of the task under way, if it has any."""
         if session.stage not in {Stage.PRACTICE, Stage.TASKS}:
-            return Standing(session, num_tasks)
+            return Standing(session, assignments)
         assignment = assignments[session.position]
-        steps = tuple(
-            LabelledStep(step.agent, parse_action(step.operator), step.explicable)
-            for step in tx.labelled_steps(assignment.id)
-        )
+        rows = tx.labelled_steps(assignment.id) if assignment.started is not None else ()
+        steps = tuple(LabelledStep(row.agent, parse_action(row.operator), row.explicable) for row in rows)
         announced = parse_action(assignment.announced) if assignment.announced else None
         material = self.materials.material(assignment.task, session.condition)
-        under_way = Assignment(assignment.id, assignment.task, assignment.announced, assignment.started)
-        return Standing(session, num_tasks, under_way, material, material.game.moment(steps, announced))
+        return Standing(session, assignments, material, material.game.moment(steps, announced))
 
     def _record(self, tx: Transaction, standing: Standing, after: Moment, request: Request) -> None:
         """Write down the steps and labels that have come.
 
         A step that is labelled as it comes was seen before the answer, by the time that the answer took.
         """
-        row, assignment, before = standing.session, standing.assignment, standing.moment
-        if assignment is None or before is None:
+        row, before = standing.session, standing.moment
+        if before is None:
             raise ConflictError("no task is under way")
+        assignment = standing.assignments[row.position]
         for number, step in enumerate(after.steps):
             old = before.steps[number] if number < len(before.steps) else None
             if old is step:
@@ -273,28 +284,35 @@ class Conduct:
         data: Mapping[str, object],
     ) -> Standing:
         """Close a task that is over, and write down what happened."""
-        row, assignment, material = standing.session, standing.assignment, standing.material
-        if assignment is None or material is None:
+        row, material = standing.session, standing.material
+        if material is None:
             raise ConflictError("no task is under way")
         is_over = material.game.is_over(after)
-        announced = format_action(after.announced) if after.announced else None
-        before, assignment = (
-            assignment,
-            replace(assignment, announced=announced, started=assignment.started or request.time),
+        before = standing.assignments[row.position]
+        assignment = replace(
+            before,
+            status="done" if is_over else "started",
+            announced=format_action(after.announced) if after.announced else None,
+            started=before.started or request.time,
         )
-        if is_over or assignment != before:
+        if assignment != before:
             tx.change(
                 tables.ASSIGNMENTS,
                 {"id": assignment.id},
-                announced=announced,
+                announced=assignment.announced,
                 started=assignment.started,
                 ended=request.time if is_over else None,
-                status="done" if is_over else "started",
+                status=assignment.status,
             )
+        assignments = (
+            *standing.assignments[: row.position],
+            assignment,
+            *standing.assignments[row.position + 1 :],
+        )
         note(tx, row.id, row.origin, kind, request, {"position": row.position, **data})
         if not is_over:
             session = self._change(tx, row, request)
-            return self._now(tx, replace(standing, session=session, assignment=assignment, moment=after))
+            return self._now(tx, replace(standing, session=session, assignments=assignments, moment=after))
         if standing.stage is Stage.PRACTICE:
             session = self._change(tx, row, request, stage=advance(Stage.PRACTICE, Event.PRACTISED).value)
         else:
@@ -302,11 +320,7 @@ class Conduct:
             stage = advance(Stage.TASKS, Event.FINISHED_TASKS if is_last else Event.FINISHED_TASK)
             position = row.position + (not is_last)
             session = self._change(tx, row, request, stage=stage.value, position=position)
-        return self._now(tx, self._standing(tx, session))
-
-    def _has_practised(self, tx: Transaction, session: Session) -> bool:
-        practice = tx.find(tables.ASSIGNMENTS, session=session.id, position=0)
-        return practice is not None and practice.status == "done"
+        return self._now(tx, self._standing(tx, session, assignments))
 
     def _change(self, tx: Transaction, session: Session, request: Request, **values: Any) -> Session:  # noqa: ANN401 (columns)
         """Change a session, if nothing has changed it meanwhile; its revision tells, also other tabs."""

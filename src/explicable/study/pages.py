@@ -130,7 +130,7 @@ class Pages:
                 view=view,
                 condition=self.materials.conditions[session.condition],
                 picture=Markup(view.picture or ""),  # noqa: S704 (the package's own, escaped where it is made)
-                view_json=view.model_dump_json(),
+                view_json=self.views.json(standing),
             )
         elif stage is Stage.DEBRIEF:
             link = study.recruitment.return_url

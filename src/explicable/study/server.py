@@ -3,6 +3,7 @@
 import asyncio
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TypeVar
@@ -58,8 +59,15 @@ class Server:
 
     async def write(self, job: Callable[[Transaction], T]) -> T:
         """Let a job run that may write; done when what it did is on the disk."""
-        result: T = await asyncio.wrap_future(self.store.submit(job))
-        return result
+        loop = asyncio.get_running_loop()
+        answer: asyncio.Future[T] = loop.create_future()
+
+        def tell(result: T, error: BaseException | None) -> None:
+            with suppress(RuntimeError):  # the loop has ended: nobody waits any more
+                loop.call_soon_threadsafe(_settle, answer, result, error)
+
+        self.store.writer.submit(job, tell)
+        return await answer
 
     async def read(self, job: Callable[[Transaction], T]) -> T:
         """Run a job that only reads."""
@@ -90,3 +98,12 @@ class Server:
         if not self.is_token(session, token):
             raise HTTPException(403, "this request does not come from a page of the study")
         return session
+
+
+def _settle(answer: "asyncio.Future[T]", result: T, error: BaseException | None) -> None:
+    if answer.done():  # whoever asked has gone
+        return
+    if error is None:
+        answer.set_result(result)
+    else:
+        answer.set_exception(error)

@@ -3,7 +3,6 @@
 import functools
 import gc
 import socket
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -26,8 +25,6 @@ GRACE_S = 2
 """Seconds that requests under way get when the server is stopped."""
 KEEP_S = 65
 """Seconds for which an idle connection is kept: people think for longer than uvicorn's five."""
-SWITCH_S = 0.0001
-"""Seconds for which a thread works on while another one waits to: the one that writes asks often."""
 START_S = 120
 """Seconds after which a worker that does not answer is replaced: on a busy machine it takes long to start."""
 
@@ -149,7 +146,6 @@ class Server:
 def _create(folder: Path, url: str, **options: Any) -> object:  # noqa: ANN401 (as `create_app` has them)
     app = create_app(folder, url, **options)
     gc.freeze()  # what is there for good need not be searched for garbage again and again
-    sys.setswitchinterval(SWITCH_S)
     return app
 
 

@@ -34,6 +34,7 @@ from explicable.study.view import commands_of, phase_of
 if TYPE_CHECKING:
     from explicable.model.problem import GroundAtom
 
+_VIEW = re.compile(r' data-view="([^"]*)"')
 _HIDDEN = re.compile(r'<input type="hidden" name="(\w+)" value="([^"]*)"')
 _MAX_TRIES = 2400
 _RETRY_S = 0.25
@@ -157,7 +158,7 @@ class _Visit:
         try:
             page = await self.consent()
             while not self.simulation.is_over() and (fields := _fields(page)):
-                page = await self.go_on(fields) or await self.fetch("GET", "/session")
+                page = await self.go_on(page, fields) or await self.fetch("GET", "/session")
         finally:
             self.client.close()
         if 'class="code"' in page:
@@ -172,13 +173,13 @@ class _Visit:
         form = dict(re.findall(r'<input type="hidden" name="(ticket)" value="([^"]*)"', page))
         return await self.fetch("POST", "/consent", data={**form, "decision": "yes"}, accepts=(200, 409))
 
-    async def go_on(self, fields: dict[str, str]) -> str:
+    async def go_on(self, page: str, fields: dict[str, str]) -> str:
         """Do what a page asks for; return the next page, or nothing where it has to be fetched."""
         study, stage = self.simulation.materials.study, fields["stage"]
         self.token = fields["token"]
         answers: dict[str, str] = {}
         if stage in {"practice", "tasks"}:
-            await self.task()
+            await self.task(_view(page))
             return ""
         if stage == "comprehension":
             answers = {f"question-{n}": question.answer for n, question in enumerate(study.question, 1)}
@@ -187,9 +188,8 @@ class _Visit:
             answers.update({f"check-{n}": check.answer for n, check in enumerate(study.check, 1)})
         return await self.fetch("POST", "/session", data={**fields, **answers})
 
-    async def task(self) -> None:
+    async def task(self, view: dict[str, Any]) -> None:
         """Play or watch one task to its end."""
-        view = await self.fetch_view()
         place = view["stage"], view["position"]
         material = self.simulation.materials.material(view["task"], view["condition"])
         eye = _Eye(material, self.participant, self.rng)
@@ -207,10 +207,6 @@ class _Visit:
                 self.tally.answered.append(time.perf_counter())
                 session = self.client.cookies.get("study") or ""
                 self.tally.labels.append((session, place[1], body["number"], body["explicable"]))
-
-    async def fetch_view(self) -> dict[str, Any]:
-        response = await self.request("GET", "/api/view")
-        return response.json()
 
     async def send(self, path: str, body: dict[str, Any]) -> dict[str, Any]:
         body = {"request_id": secrets.token_hex(16), "client_time": time.time(), **body}
@@ -338,6 +334,12 @@ class _Eye:
         if chosen is not None and format_action(chosen) in possible:
             return format_action(chosen)
         return possible[0] if must_ask else None
+
+
+def _view(page: str) -> dict[str, Any]:
+    """Return the view that a task's page brings along."""
+    (found,) = _VIEW.findall(page)
+    return dict(json.loads(html.unescape(found)))
 
 
 def _fields(page: str) -> dict[str, str]:

@@ -1,8 +1,9 @@
 """A study's database: opened, migrated, read from, and written to."""
 
 from collections.abc import Callable
+from concurrent.futures import Future
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import sqlalchemy as sql
 from sqlalchemy import Connection, Engine, event
@@ -11,9 +12,6 @@ from sqlalchemy.exc import ArgumentError, DBAPIError, OperationalError, SQLAlche
 from explicable.errors import InputError
 from explicable.study.transaction import Transaction
 from explicable.study.writer import UnavailableError, Writer
-
-if TYPE_CHECKING:
-    from concurrent.futures import Future
 
 T = TypeVar("T")
 
@@ -41,22 +39,26 @@ class Store:
         self.is_sqlite = url.startswith("sqlite")
         try:
             self.engine = open_engine(url)
-            if self.is_sqlite:
-                # Readers don't wait for the writer: theirs are plain, deferred transactions.
-                self._reading = open_engine(url, begin="BEGIN")
-            else:
-                self._reading = self.engine
+            # Readers don't wait for the writer: SQLite's are plain, deferred transactions. Nor do they
+            # run again if a connection is lost, as the writer does: theirs are tried before they are used.
+            self._reading = open_engine(url, begin="BEGIN", tries_connections=True)
             self.writer = Writer(self.engine)
         except (SQLAlchemyError, ImportError) as error:
             raise InputError(_refusal(url, error)) from error
 
-    def submit(self, job: Callable[[Transaction], T]) -> "Future[T]":
-        """Let a job run that may write; see `Writer.submit`."""
-        return self.writer.submit(job)
+    def submit(self, job: Callable[[Transaction], T]) -> Future[T]:
+        """Let a job run that may write; its future is done when what it did is on the disk."""
+        done: Future[T] = Future()
+
+        def tell(result: T, error: BaseException | None) -> None:
+            done.set_result(result) if error is None else done.set_exception(error)
+
+        self.writer.submit(job, tell)
+        return done
 
     def write(self, job: Callable[[Transaction], T]) -> T:
         """Run a job that may write, and wait until what it did is on the disk."""
-        return self.writer.submit(job).result()
+        return self.submit(job).result()
 
     def read(self, job: Callable[[Transaction], T]) -> T:
         """Run a job that only reads."""
@@ -104,27 +106,23 @@ def sqlite_file(url: str) -> Path | None:
     return Path(url.removeprefix("sqlite:///")) if url.startswith("sqlite:///") else None
 
 
-def open_engine(url: str, *, begin: str = "BEGIN IMMEDIATE") -> Engine:
+def open_engine(url: str, *, begin: str = "BEGIN IMMEDIATE", tries_connections: bool = False) -> Engine:
     """Open a database; SQLite so that what is committed survives the loss of power.
 
     Parameters
     ----------
     begin
         How SQLite's transactions begin. Immediately, so that none is rolled back because another wrote first.
+    tries_connections
+        Whether to try a server's connections before they are used, and to replace those that are lost.
     """
-    engine = sql.create_engine(url, pool_pre_ping=not url.startswith("sqlite"))
+    engine = sql.create_engine(url, pool_pre_ping=tries_connections and not url.startswith("sqlite"))
     if url.startswith("sqlite"):
 
         @event.listens_for(engine, "connect")
         def prepare(connection: Any, _: object) -> None:  # noqa: ANN401 (each driver has its own)
             connection.isolation_level = None  # transactions begin below, not where the driver thinks
-            for pragma in (
-                "journal_mode=WAL",
-                "synchronous=FULL",
-                "foreign_keys=ON",
-                "busy_timeout=20000",
-                "secure_delete=ON",
-            ):
+            for pragma in _PRAGMAS:
                 connection.execute(f"PRAGMA {pragma}")
 
         @event.listens_for(engine, "begin")

@@ -7,9 +7,8 @@ so that their number hardly matters; and nobody hears of success before the comm
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future
 from queue import SimpleQueue
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 from sqlalchemy import Engine
 from sqlalchemy.exc import OperationalError
@@ -17,11 +16,13 @@ from sqlalchemy.exc import OperationalError
 from explicable.errors import ExplicableError
 from explicable.study.transaction import OutdatedError, Transaction
 
-T = TypeVar("T")
-Entry: TypeAlias = tuple[Callable[[Transaction], Any], "Future[Any]"]
+Job: TypeAlias = Callable[[Transaction], Any]
+Tell: TypeAlias = Callable[[Any, BaseException | None], None]
+"""Is told what came of a job: its result, or the error."""
+Entry: TypeAlias = tuple[Job, Tell]
 
 _MOST_AT_ONCE = 128
-_GATHERING_S = 0.01
+_GATHERING_S = 0.03
 """Seconds for which a commit waits for others, where the one before it had several."""
 _MOST_REMEMBERED = 10_000
 
@@ -50,11 +51,9 @@ class Writer:
         self._thread = threading.Thread(target=self._work, name="study-writer", daemon=True)
         self._thread.start()
 
-    def submit(self, job: Callable[[Transaction], T]) -> "Future[T]":
-        """Let a job run; its future is done when what it did is on the disk."""
-        future: Future[T] = Future()
-        self._queue.put((job, future))
-        return future
+    def submit(self, job: Job, tell: Tell) -> None:
+        """Let a job run; it is told from the writer's thread when what it did is on the disk."""
+        self._queue.put((job, tell))
 
     def close(self) -> None:
         """Finish what was asked for, then stop."""
@@ -68,15 +67,14 @@ class Writer:
                 time.sleep(_GATHERING_S)
             batch = []
             while entry is not None:
-                if entry[1].set_running_or_notify_cancel():
-                    batch.append(entry)
+                batch.append(entry)
                 if len(batch) == _MOST_AT_ONCE or self._queue.empty():
                     break
                 entry = self._queue.get()
             left = self._run_together(batch, self._memory)
             left = self._run_together(left, {}) if len(left) > 1 else left
-            for job, future in left:
-                self._run_alone(job, future)
+            for job, tell in left:
+                self._run_alone(job, tell)
             entry = entry and self._queue.get()
 
     def _run_together(self, batch: list[Entry], memory: dict[str, object]) -> list[Entry]:
@@ -85,34 +83,34 @@ class Writer:
         try:
             with self._engine.begin() as connection:
                 tx = Transaction(connection, memory)
-                for job, future in batch:
+                for job, tell in batch:
                     try:
-                        done.append((future, tx.attempt(job)))
+                        done.append((tell, tx.attempt(job)))
                     except OutdatedError:
                         raise
                     except ExplicableError:
-                        left.append((job, future))
+                        left.append((job, tell))
                 tx.send()
         except Exception:  # whose fault it is shows when each runs alone
             return batch
         self._remember(tx)
-        for future, result in done:
-            future.set_result(result)
+        for tell, result in done:
+            tell(result, None)
         return left
 
-    def _run_alone(self, job: Callable[[Transaction], Any], future: "Future[Any]") -> None:
+    def _run_alone(self, job: Job, tell: Tell) -> None:
         try:
             with self._engine.begin() as connection:
                 tx = Transaction(connection)
                 result = job(tx)
                 tx.send()
         except OperationalError:
-            future.set_exception(UnavailableError("the database does not answer"))
+            tell(None, UnavailableError("the database does not answer"))
         except BaseException as error:  # the asker's to handle: this thread goes on
-            future.set_exception(error)
+            tell(None, error)
         else:
             self._remember(tx)
-            future.set_result(result)
+            tell(result, None)
 
     def _remember(self, tx: Transaction) -> None:
         self._memory.update(tx.remembered)
