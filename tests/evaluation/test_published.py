@@ -3,9 +3,10 @@
 import json
 import lzma
 import re
-import runpy
 import shutil
+import sys
 from pathlib import Path
+from subprocess import run
 
 import pytest
 
@@ -26,8 +27,8 @@ def test_results_follow_from_their_records(tmp_path):
         with lzma.open(packed) as source, (tmp_path / "records" / packed.stem).open("wb") as target:
             shutil.copyfileobj(source, target)
     experiments = builtin_experiments()
-    run = json.loads((DOCS / "records" / "run.json").read_text())
-    made = render_markdown(make_page(experiments, read_records(experiments, tmp_path), run))
+    told = json.loads((DOCS / "records" / "run.json").read_text())
+    made = render_markdown(make_page(experiments, read_records(experiments, tmp_path), told))
     published = (DOCS / "results.md").read_text()
     assert NUMBER.sub("#", made) == NUMBER.sub("#", published)
     numbers = [list(map(float, NUMBER.findall(text))) for text in (made, published)]
@@ -40,15 +41,14 @@ def test_every_question_is_answered_in_the_results():
         assert f"## {experiment.question}\n" in published
 
 
-def test_benchmark_pages_follow_from_their_records(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(BENCHMARKS)
+def test_benchmark_pages_follow_from_their_records(tmp_path):
     page = tmp_path / "benchmarks.md"
-    write_page = runpy.run_path(BENCHMARKS / "page.py")["write_page"]
-    write_page(BENCHMARKS / "records" / "benchmarks.jsonl", BENCHMARKS / "notes.md", page)
+    records = [BENCHMARKS / "records" / "benchmarks.jsonl", BENCHMARKS / "notes.md"]
+    run([sys.executable, BENCHMARKS / "page.py", *records, page], check=True)
     assert page.read_text() == (DOCS / "benchmarks.md").read_text()
-    closed_loop = runpy.run_path(BENCHMARKS / "closed_loop.py")
-    made = "\n".join(closed_loop["page"](*closed_loop["read"](closed_loop["RECORDS"]))) + "\n"
-    assert made == (DOCS / "closed-loop.md").read_text()
+    show = "import closed_loop as loop; print(*loop.page(*loop.read(loop.RECORDS)), sep='\\n')"
+    made = run([sys.executable, "-c", show], cwd=BENCHMARKS, capture_output=True, text=True, check=True)
+    assert made.stdout == (DOCS / "closed-loop.md").read_text()
 
 
 MEASURED = re.compile(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from explicable.cli.extras import require
 from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ def evaluate(
     With a study's traces, the paper's experiment alone. Interrupted, the same command goes on where it was.
     Participants are simulated: test instruments, not people.
     """
+    require("evaluation", "statsmodels", "matplotlib", "joblib")
     from explicable.evaluation.experiments import (
         builtin_experiments,
         experiment_on_traces,

@@ -2,7 +2,6 @@
 
 import json
 import math
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,7 @@ import click
 
 from explicable.cli import EXIT_LIMIT, EXIT_UNSOLVABLE
 from explicable.cli.budgets import Budget, budget_options
+from explicable.cli.extras import require
 from explicable.cli.files import (
     INPUT_FILE,
     OUTPUT_FILE,
@@ -76,8 +76,8 @@ def front(
 
     if plot_file is not None and plot_file.suffix not in {".svg", ".png"}:
         raise click.UsageError("--plot draws .svg or .png files")
-    if plot_file is not None and find_spec("matplotlib") is None:
-        raise click.UsageError("--plot needs matplotlib: pip install 'explicable[evaluation]'")
+    if plot_file is not None:
+        require("evaluation", "matplotlib")
     team_task = paths.ground()
     labeller = load_labeller(labeller_file, team_task.problem)
     with working(f"looking for plans, up to {search_time:g} s at each alpha"):

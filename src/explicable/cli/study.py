@@ -6,6 +6,7 @@ from typing import Literal
 
 import click
 
+from explicable.cli.extras import require
 from explicable.cli.files import OUTPUT_FOLDER, FiniteRange, warn
 from explicable.cli.power import power
 from explicable.cli.simulate import find_family
@@ -22,13 +23,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print one JS
 @click.group()
 def study() -> None:
     """Collect people's labels in a browser."""
-    try:
-        import fastapi  # noqa: F401 (only whether it is there)
-        import sqlalchemy  # noqa: F401 (the same)
-    except ImportError as error:
-        raise click.UsageError(
-            f"the study needs packages of its own ({error.name}): pip install 'explicable[study]'"
-        ) from error
+    require("study", "fastapi", "sqlalchemy")
 
 
 def _warn(folder: Path) -> None:
