@@ -5,7 +5,13 @@ import sys
 
 import pytest
 
-WITHOUT = "import sys; sys.modules[sys.argv[1]] = None; from explicable.cli import main; main(sys.argv[2:])"
+WITHOUT = """
+import sys
+from explicable.cli import run
+
+sys.modules[sys.argv[1]] = None
+sys.exit(run(sys.argv[2:]))
+"""
 """Runs a command where a package can't be found."""
 
 
@@ -14,7 +20,7 @@ WITHOUT = "import sys; sys.modules[sys.argv[1]] = None; from explicable.cli impo
     [
         ("statsmodels", "evaluation", "evaluate --quick"),
         ("matplotlib", "evaluation", "evaluate --report-only"),
-        ("matplotlib", "evaluation", "front domain.pddl problem.pddl --labeller l.json --plot front.svg"),
+        ("matplotlib", "evaluation", "front l.json domain.pddl problem.pddl --plot front.svg"),
         ("fastapi", "study", "study status pilot"),
     ],
 )
