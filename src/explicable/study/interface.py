@@ -18,10 +18,11 @@ from pydantic import BaseModel, Field, FiniteFloat, TypeAdapter, ValidationError
 from starlette.middleware.exceptions import ExceptionMiddleware
 from starlette.types import Receive, Scope, Send
 
-from explicable.study.conduct import Standing, UnknownSessionError
+from explicable.study.conduct import UnknownSessionError
 from explicable.study.ledger import Request
 from explicable.study.protocol import ConflictError
 from explicable.study.server import Server
+from explicable.study.standing import Standing
 from explicable.study.transaction import Transaction
 from explicable.study.view import View
 

@@ -11,13 +11,13 @@ from fastapi.responses import HTMLResponse, Response
 from markdown_it import MarkdownIt
 from markupsafe import Markup
 
-from explicable.study.conduct import Standing
 from explicable.study.config import Question
 from explicable.study.materials import PRACTICE, Materials
 from explicable.study.pictures import map_key
 from explicable.study.protocol import PARTS, Event, Stage
 from explicable.study.recruitment import MTURK_HOSTS, return_link, submit_address
 from explicable.study.security import HEADERS, Keys
+from explicable.study.standing import Standing
 from explicable.study.view import Views
 from explicable.study.words import language
 

@@ -9,11 +9,11 @@ from pydantic import BaseModel
 
 from explicable.model.plan import format_action
 from explicable.model.problem import GroundAtom
-from explicable.study.conduct import Standing
 from explicable.study.game import Moment
 from explicable.study.materials import Material
 from explicable.study.pictures import Scene
 from explicable.study.sentences import changed
+from explicable.study.standing import Standing
 from explicable.study.words import Language
 
 Phase = Literal["question", "moving", "waiting", "over"]
