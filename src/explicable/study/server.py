@@ -66,7 +66,7 @@ class Server:
             with suppress(RuntimeError):  # the loop has ended: nobody waits any more
                 loop.call_soon_threadsafe(_settle, answer, result, error)
 
-        self.store.writer.submit(job, tell)
+        self.store.writer.submit(job, tell, lambda: not answer.cancelled())
         return await answer
 
     async def read(self, job: Callable[[Transaction], T]) -> T:

@@ -53,7 +53,7 @@ class Store:
         def tell(result: T, error: BaseException | None) -> None:
             done.set_result(result) if error is None else done.set_exception(error)
 
-        self.writer.submit(job, tell)
+        self.writer.submit(job, tell, done.set_running_or_notify_cancel)
         return done
 
     def write(self, job: Callable[[Transaction], T]) -> T:

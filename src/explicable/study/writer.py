@@ -19,7 +19,8 @@ from explicable.study.transaction import OutdatedError, Transaction
 Job: TypeAlias = Callable[[Transaction], Any]
 Tell: TypeAlias = Callable[[Any, BaseException | None], None]
 """Is told what came of a job: its result, or the error."""
-Entry: TypeAlias = tuple[Job, Tell]
+Entry: TypeAlias = tuple[Job, Tell, Callable[[], bool]]
+"""A job, who is told of it, and whether anybody still wants it when its turn comes."""
 
 _MOST_AT_ONCE = 128
 _GATHERING_S = 0.03
@@ -51,9 +52,9 @@ class Writer:
         self._thread = threading.Thread(target=self._work, name="study-writer", daemon=True)
         self._thread.start()
 
-    def submit(self, job: Job, tell: Tell) -> None:
-        """Let a job run; it is told from the writer's thread when what it did is on the disk."""
-        self._queue.put((job, tell))
+    def submit(self, job: Job, tell: Tell, is_wanted: Callable[[], bool]) -> None:
+        """Let a job run if it is wanted when its turn comes; told by the writer when all is on the disk."""
+        self._queue.put((job, tell, is_wanted))
 
     def close(self) -> None:
         """Finish what was asked for, then stop."""
@@ -67,13 +68,14 @@ class Writer:
                 time.sleep(_GATHERING_S)
             batch = []
             while entry is not None:
-                batch.append(entry)
+                if entry[2]():
+                    batch.append(entry)
                 if len(batch) == _MOST_AT_ONCE or self._queue.empty():
                     break
                 entry = self._queue.get()
             left = self._run_together(batch, self._memory)
             left = self._run_together(left, {}) if len(left) > 1 else left
-            for job, tell in left:
+            for job, tell, _ in left:
                 self._run_alone(job, tell)
             entry = entry and self._queue.get()
 
@@ -83,13 +85,13 @@ class Writer:
         try:
             with self._engine.begin() as connection:
                 tx = Transaction(connection, memory)
-                for job, tell in batch:
+                for entry in batch:
                     try:
-                        done.append((tell, tx.attempt(job)))
+                        done.append((entry[1], tx.attempt(entry[0])))
                     except OutdatedError:
                         raise
                     except ExplicableError:
-                        left.append((job, tell))
+                        left.append(entry)
                 tx.send()
         except Exception:  # whose fault it is shows when each runs alone
             return batch
