@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable
 from queue import SimpleQueue
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from sqlalchemy import Engine
 from sqlalchemy.exc import OperationalError
@@ -19,8 +19,6 @@ from explicable.study.transaction import OutdatedError, Transaction
 Job: TypeAlias = Callable[[Transaction], Any]
 Tell: TypeAlias = Callable[[Any, BaseException | None], None]
 """Is told what came of a job: its result, or the error."""
-Entry: TypeAlias = tuple[Job, Tell, Callable[[], bool]]
-"""A job, who is told of it, and whether anybody still wants it when its turn comes."""
 
 _MOST_AT_ONCE = 128
 _GATHERING_S = 0.03
@@ -30,6 +28,14 @@ _MOST_REMEMBERED = 10_000
 
 class UnavailableError(ExplicableError):
     """The database does not answer now; nothing has been written."""
+
+
+class Entry(NamedTuple):
+    """A job, who is told of it, and whether anybody still wants it when its turn comes."""
+
+    job: Job
+    tell: Tell
+    is_wanted: Callable[[], bool]
 
 
 class Writer:
@@ -54,7 +60,7 @@ class Writer:
 
     def submit(self, job: Job, tell: Tell, is_wanted: Callable[[], bool]) -> None:
         """Let a job run if it is wanted when its turn comes; told by the writer when all is on the disk."""
-        self._queue.put((job, tell, is_wanted))
+        self._queue.put(Entry(job, tell, is_wanted))
 
     def close(self) -> None:
         """Finish what was asked for, then stop."""
@@ -68,15 +74,15 @@ class Writer:
                 time.sleep(_GATHERING_S)
             batch = []
             while entry is not None:
-                if entry[2]():
+                if entry.is_wanted():
                     batch.append(entry)
                 if len(batch) == _MOST_AT_ONCE or self._queue.empty():
                     break
                 entry = self._queue.get()
             left = self._run_together(batch, self._memory)
             left = self._run_together(left, {}) if len(left) > 1 else left
-            for job, tell, _ in left:
-                self._run_alone(job, tell)
+            for alone in left:
+                self._run_alone(alone.job, alone.tell)
             entry = entry and self._queue.get()
 
     def _run_together(self, batch: list[Entry], memory: dict[str, object]) -> list[Entry]:
@@ -87,7 +93,7 @@ class Writer:
                 tx = Transaction(connection, memory)
                 for entry in batch:
                     try:
-                        done.append((entry[1], tx.attempt(entry[0])))
+                        done.append((entry.tell, tx.attempt(entry.job)))
                     except OutdatedError:
                         raise
                     except ExplicableError:
