@@ -54,27 +54,9 @@ def endure(folder, num_kills, at_once, *, postgres=None, workers=1, seed=1):
     write_study(folder, tasks=TASKS)
     database = postgres.url if postgres else None
     options = ["--workers", str(workers)] + (["--database", database] if database else [])
-    server = StudyServer(folder, *options)
-    server.start()
-    done = Counter()
-
-    def counted(name, kill):
-        def work(rng):
-            kill(rng)
-            done[name] += 1
-
-        return work
-
-    kills = [counted("server", lambda _: server.kill())]
-    if workers > 1:
-        kills.append(counted("worker", server.kill_worker))
-    if postgres:
-        kills.append(counted("database", lambda _: postgres.kill()))
-        kills.append(counted("database connection", postgres.kill_backend))
-    with killing(kills, num_kills, seed) as is_over:
-        tallies = _take_part(folder, database, server.link, is_over, at_once)
-    code = server.stop()
-    with open_study(folder, database) as opened:
+    with StudyServer(folder, *options) as server, open_study(folder, database) as opened:
+        done, tallies = _take_part_while_killing(opened, server, postgres, num_kills, at_once, seed)
+        code = server.stop()
         acknowledged = _acknowledged(tallies, opened.keys)
         stored = opened.store.read(_stored)
     return Endured(
@@ -87,17 +69,33 @@ def endure(folder, num_kills, at_once, *, postgres=None, workers=1, seed=1):
     )
 
 
-def _take_part(folder, database, link, is_over, at_once):
-    """Let participants come, so many at once, until it is over."""
-    tallies = []
-    with open_study(folder, database) as opened:
+def _take_part_while_killing(opened, server, postgres, num_kills, at_once, seed):
+    """Let participants come, so many at once, until all kills are done."""
+    done = Counter()
+
+    def counted(name, kill):
+        def work(rng):
+            kill(rng)
+            done[name] += 1
+
+        return work
+
+    kills = [counted("server", lambda _: server.kill())]
+    if postgres:
+        kills.append(counted("worker", server.kill_worker))
+        kills.append(counted("database", lambda _: postgres.kill()))
+        kills.append(counted("database connection", postgres.kill_backend))
+    tallies, family = [], builtin_families()["myopic"]
+    with killing(kills, num_kills, seed) as is_over:
         while not tallies or not is_over():
-            family, seed = builtin_families()["myopic"], len(tallies)
-            simulation = Simulation(link, opened.materials, opened.keys, family, seed, pace_s=0.02)
-            tally = simulation.run(at_once, at_once=at_once)
-            assert tally.num_finished == at_once
-            tallies.append(tally)
-    return tallies
+            simulation = Simulation(
+                server.link, opened.materials, opened.keys, family, len(tallies), pace_s=0.02
+            )
+            tallies.append(simulation.run(at_once, at_once=at_once))
+            assert tallies[-1].num_finished == at_once
+    if postgres:
+        postgres.wait()
+    return done, tallies
 
 
 def _acknowledged(tallies, keys):

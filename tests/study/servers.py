@@ -11,7 +11,7 @@ import threading
 import time
 import urllib.error
 import urllib.request
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import psutil
@@ -53,6 +53,17 @@ class StudyServer:
             self.command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
         )
 
+    def __enter__(self):
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        """Leave nothing running, whatever has happened."""
+        with suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+        self.reserved.close()
+
     def kill(self):
         """End it and its workers at once, and start it again."""
         os.killpg(self.process.pid, signal.SIGKILL)
@@ -72,9 +83,7 @@ class StudyServer:
     def stop(self):
         """Ask it to stop, as Ctrl-C does; return its exit code."""
         self.process.send_signal(signal.SIGINT)
-        code = self.process.wait(timeout=PATIENCE_S)
-        self.reserved.close()
-        return code
+        return self.process.wait(timeout=PATIENCE_S)
 
 
 class Postgres:
@@ -119,6 +128,15 @@ class Postgres:
             return self.kill()
         rng.choice(serving).kill()
         return None
+
+    def wait(self):
+        """Wait until it answers: where a connection's process was ended, it begins anew by itself."""
+        asked = [self.program.with_name("pg_isready"), "-q", "-h", str(self.home / "socket")]
+        deadline = time.monotonic() + PATIENCE_S
+        while subprocess.run(asked, check=False).returncode:
+            if time.monotonic() > deadline:
+                raise RuntimeError(Path(self._log).read_text())
+            time.sleep(0.1)
 
     def stop(self):
         """Stop, and leave nothing behind."""

@@ -421,10 +421,8 @@ def test_a_frame_of_mechanical_turk_opens_a_tab_and_hands_in_the_code(browser, t
 
 def test_a_page_goes_on_by_itself_when_its_server_was_killed(browser, tmp_path):
     folder = write_study(tmp_path / "study", tasks=PLAYED)
-    server = StudyServer(folder)
-    server.start()
-    context = browser.new_context(has_touch=True, viewport={"width": 360, "height": 740})
-    try:
+    with StudyServer(folder) as server:
+        context = browser.new_context(has_touch=True, viewport={"width": 360, "height": 740})
         context.set_default_timeout(PATIENCE_MS)
         page = context.new_page()
         begin(page, server.link)
@@ -436,8 +434,6 @@ def test_a_page_goes_on_by_itself_when_its_server_was_killed(browser, tmp_path):
         until(page, f"isFinished || view.number > {number}")
         play(page, lambda: page.tap("#yes"), lambda _: page.tap("[data-room].possible"))
         page.wait_for_selector("#finished a")
-    finally:
         context.close()
-        server.stop()
     labels = rows(folder, tables.LABELS)
     assert len(labels) == len({(label.assignment, label.number) for label in labels}) > 0
