@@ -35,9 +35,8 @@ def test_only_the_studys_store_touches_the_database_and_only_its_app_the_web():
     store = {f"study/{name}.py" for name in ("store", "transaction", "records", "schema", "writer")}
     migrations = {path for path in importers_of("sqlalchemy") if path.startswith("study/migrations/")}
     assert importers_of("sqlalchemy") - migrations <= store | {"cli/study.py"}
-    web = {
-        f"study/{name}.py" for name in ("app", "interface", "server", "admin", "editor", "forms", "pages")
-    } | {"cli/study.py"}
+    faces = "app interface refusals visits admin editor server forms pages"
+    web = {f"study/{name}.py" for name in faces.split()} | {"cli/study.py"}
     in_study = {path for path in importers_of("starlette") if path.startswith("study/")}
     assert importers_of("fastapi") <= web
     assert in_study <= web | {"study/security.py"}

@@ -18,8 +18,12 @@ from studies import Visitor, open_study, write_study
 from explicable.first_response import read_map
 from explicable.study import schema as tables
 from explicable.study.folder import open_database, read_secret
-from explicable.study.security import MAX_BODY_BYTES, Guard, Limiter
+from explicable.study.materials import read_materials
+from explicable.study.pages import Pages
+from explicable.study.refusals import Refusals
+from explicable.study.security import MAX_BODY_BYTES, Guard, Keys, Limiter
 from explicable.study.store import DATABASE, Store
+from explicable.study.view import Views
 
 
 @pytest.fixture
@@ -167,10 +171,13 @@ def test_large_bodies_and_odd_forms_are_refused(client):
     assert client.post("/api/answer", content=nan, headers=headers).status_code == 422
 
 
-def test_a_flood_is_told_to_wait_and_others_are_not():
+def test_a_flood_is_told_to_wait_and_others_are_not(tmp_path):
     now = [0.0]
     session, address = (Limiter(1, burst, clock=lambda: now[0]) for burst in (3, 5))
-    client = TestClient(Guard(PlainTextResponse("done"), session, address))
+
+    materials = read_materials(write_study(tmp_path, extra='language = "de"'))
+    refuse = Refusals(Pages(materials, Keys("secret"), Views(materials.language))).answer
+    client = TestClient(Guard(PlainTextResponse("done"), session, address, refuse))
 
     def send(path, cookie):
         return client.post(path, headers={"cookie": f"study={cookie}"}).status_code
@@ -179,9 +186,26 @@ def test_a_flood_is_told_to_wait_and_others_are_not():
     assert send("/api/step", "two") == 200
     assert [send("/consent", "") for _ in range(6)] == [200] * 5 + [429]
     assert client.get("/").status_code == 200
-    assert "retry-after" in client.post("/consent").headers
+    page, told = client.post("/consent"), client.post("/api/step", headers={"cookie": "study=one"})
+    assert page.headers["retry-after"] == told.headers["retry-after"] == "1"
+    assert "<p>Zu viele Anfragen: bitte warten Sie einen Augenblick.</p>" in page.text
+    assert told.json()["error"] == "zu viele Anfragen: bitte warten Sie einen Augenblick"
     now[0] = 1.0
     assert [send("/api/step", "one") for _ in range(2)] == [200, 429]
+
+
+def test_refusals_are_in_the_participants_language_and_researchers_in_english(tmp_path):
+    client, _, _ = open_study(write_study(tmp_path, extra='language = "de"'))
+    large = b"x" * (MAX_BODY_BYTES + 1)
+    with client:
+        for path, status, kind in (("/session", 413, "text/html"), ("/api/step", 413, "application/json")):
+            refused = client.post(path, content=large)
+            assert refused.status_code == status
+            assert refused.headers["content-type"].startswith(kind)
+            assert "default-src 'none'" in refused.headers["content-security-policy"]
+            assert "das ist zu viel auf einmal" in refused.text.lower()
+        assert "Diese Seite gibt es nicht" in client.get("/consent").text
+        assert "There is no such page" in client.get("/admin/nowhere").text
 
 
 def test_what_people_write_is_shown_as_text(client):

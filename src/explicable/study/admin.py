@@ -7,8 +7,8 @@ import tempfile
 import time
 import zipfile
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, HTTPException, Request
 from fastapi.responses import RedirectResponse, Response, StreamingResponse
@@ -20,48 +20,65 @@ from explicable.study.forms import read_form
 from explicable.study.ledger import OPEN_STAGES
 from explicable.study.records import live_sessions
 from explicable.study.security import ADMIN_COOKIE, ADMIN_HOURS, Limiter, is_password
+from explicable.study.server import Server
 from explicable.study.summary import summarise
 from explicable.study.transaction import Transaction
-
-if TYPE_CHECKING:
-    from explicable.study.server import Server
 
 LIVE_S = 120
 """Seconds since the last sign of life up to which a session counts as live."""
 _CHUNK = 64 * 1024
 
 
-def routes(server: "Server", tries: Limiter) -> APIRouter:
-    """Return the routes of the researcher's pages; ``tries`` limits how fast passwords can be tried."""
-    router = APIRouter(prefix="/admin", include_in_schema=False)
-    pages, keys, materials = server.pages, server.keys, server.materials
+@dataclass(frozen=True)
+class Researchers:
+    """Answers what researchers ask for.
 
-    async def password_hash() -> str:
-        return await server.read(lambda tx: read_setting(tx, "admin") or "")
+    Parameters
+    ----------
+    server
+        What all routes share.
+    tries
+        Limits how fast passwords can be tried.
+    """
 
-    async def require(request: Request) -> str:
+    server: Server
+    tries: Limiter
+
+    def routes(self) -> APIRouter:
+        """Return what is answered by which function."""
+        routes = APIRouter(prefix="/admin", include_in_schema=False)
+        routes.add_api_route("", self.overview)
+        routes.add_api_route("/login", self.login_page)
+        routes.add_api_route("/login", self.login, methods=["POST"])
+        routes.add_api_route("/logout", self.logout, methods=["POST"])
+        routes.add_api_route("/download", self.download, methods=["POST"])
+        routes.include_router(editor.routes(self.server, self.require))
+        return routes
+
+    async def require(self, request: Request) -> str:
         """Return the owner's name for tokens, or send whoever is not signed in away."""
-        cookie, hashed = request.cookies.get(ADMIN_COOKIE), await password_hash()
-        if not keys.is_admin(cookie, hashed):
+        cookie, hashed = request.cookies.get(ADMIN_COOKIE), await self._password_hash()
+        if not self.server.keys.is_admin(cookie, hashed):
             raise HTTPException(303, "please sign in", {"Location": "/admin/login"})
         return f"admin:{cookie}"
 
-    @router.get("/login")
-    async def login_page() -> Response:
-        return pages.admin("login.html", is_wrong=False)
+    async def login_page(self) -> Response:
+        """Ask for the password."""
+        return self.server.pages.admin("login.html", is_wrong=False)
 
-    @router.post("/login")
-    async def login(request: Request) -> Response:
+    async def login(self, request: Request) -> Response:
+        """Sign in whoever knows the password."""
         form = await read_form(request)
-        if not tries.allows(request.client.host if request.client else ""):
-            raise HTTPException(429, "too many tries: please wait a minute")
-        hashed = await password_hash()
+        if not self.tries.allows(request.client.host if request.client else ""):
+            wait = {"Retry-After": str(self.tries.refill_s)}
+            raise HTTPException(429, "too many tries: please wait a moment", wait)
+        hashed = await self._password_hash()
         if not hashed or not await asyncio.to_thread(is_password, form.get("password", "")[:200], hashed):
-            return pages.admin("login.html", 403, is_wrong=True)
+            return self.server.pages.admin("login.html", 403, is_wrong=True)
         response = RedirectResponse("/admin", 303)
         response.set_cookie(
             ADMIN_COOKIE,
-            keys.sign_admin(hashed),
+            self.server.keys.sign_admin(hashed),
             max_age=ADMIN_HOURS * 3600,
             path="/admin",
             httponly=True,
@@ -70,41 +87,36 @@ def routes(server: "Server", tries: Limiter) -> APIRouter:
         )
         return response
 
-    @router.post("/logout")
-    async def logout(request: Request) -> Response:
-        owner, form = await require(request), await read_form(request)
-        if not keys.is_token(owner, form.get("token")):
-            raise HTTPException(403, "this request does not come from a page of the study")
+    async def logout(self, request: Request) -> Response:
+        """Forget, in this browser, who was signed in."""
+        await self._require_own_page(request)
         response = RedirectResponse("/admin/login", 303)
         response.delete_cookie(ADMIN_COOKIE, path="/admin")
         return response
 
-    @router.get("")
-    async def overview(request: Request) -> Response:
-        owner = await require(request)
+    async def overview(self, request: Request) -> Response:
+        """Show how the study goes."""
+        owner, server, now = await self.require(request), self.server, time.time()
         origin = "simulated" if request.query_params.get("origin") == "simulated" else "person"
-        now = time.time()
-        await server.write(lambda tx: free_places(materials, tx, now))
-        summary = await server.read(lambda tx: summarise(tx, materials, origin))
+        await server.write(lambda tx: free_places(server.materials, tx, now))
+        summary = await server.read(lambda tx: summarise(tx, server.materials, origin))
         live = await server.read(lambda tx: live_sessions(tx, now - LIVE_S, OPEN_STAGES))
-        return pages.admin(
+        return server.pages.admin(
             "admin.html",
-            token=keys.token(owner),
+            token=server.keys.token(owner),
             origin=origin,
             summary=summary,
             live=live,
             now=now,
-            hash=materials.hash,
+            hash=server.materials.hash,
         )
 
-    @router.post("/download")
-    async def download(request: Request) -> Response:
-        owner, form = await require(request), await read_form(request)
-        if not keys.is_token(owner, form.get("token")):
-            raise HTTPException(403, "this request does not come from a page of the study")
+    async def download(self, request: Request) -> Response:
+        """Send the data set."""
+        await self._require_own_page(request)
         folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="explicable-"))
         try:
-            path = await server.read(lambda tx: _zip_export(tx, server, folder))
+            path = await self.server.read(lambda tx: _zip_export(tx, self.server, folder))
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise
@@ -112,11 +124,16 @@ def routes(server: "Server", tries: Limiter) -> APIRouter:
         headers = {"Content-Disposition": f'attachment; filename="{name}"'}
         return StreamingResponse(_sent_then_removed(path, folder), 200, headers, "application/zip")
 
-    router.include_router(editor.routes(server, require), prefix="")
-    return router
+    async def _password_hash(self) -> str:
+        return await self.server.read(lambda tx: read_setting(tx, "admin") or "")
+
+    async def _require_own_page(self, request: Request) -> None:
+        owner, form = await self.require(request), await read_form(request)
+        if not self.server.keys.is_token(owner, form.get("token")):
+            raise HTTPException(403, "this request does not come from a page of the study")
 
 
-def _zip_export(tx: Transaction, server: "Server", folder: Path) -> Path:
+def _zip_export(tx: Transaction, server: Server, folder: Path) -> Path:
     from explicable.study.export import export
 
     export(tx, server.materials, folder / "data")

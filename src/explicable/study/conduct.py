@@ -270,7 +270,7 @@ class Conduct:
 def _task(standing: Standing, number: int | None, shown: str | None = None) -> tuple[Material, Moment]:
     """Return the task under way, of which ``number`` steps have been seen, the last of them as ``shown``."""
     if standing.material is None or standing.moment is None:
-        raise ConflictError(f"no task is under way in the stage {standing.stage.value!r}")
+        raise ConflictError("no task is under way")
     moment = standing.moment if shown is None else standing.offer
     is_other = moment is None or (shown is not None and shown != moment.operator)
     if moment is None or is_other or (number is not None and number != len(moment.steps)):

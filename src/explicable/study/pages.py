@@ -19,7 +19,7 @@ from explicable.study.recruitment import MTURK_HOSTS, return_link, submit_addres
 from explicable.study.security import HEADERS, Keys
 from explicable.study.standing import Standing
 from explicable.study.view import Views
-from explicable.study.words import language
+from explicable.study.words import Language, language
 
 HERE = Path(__file__).parent
 MOST_COMMENT = 5000
@@ -92,11 +92,22 @@ class Pages:
         message = "Everybody whom we need has taken part. Thank you for your interest."
         return self._message("No place left", message, 409)
 
-    def problem(self, message: str, status: int) -> Response:
+    def language_of(self, path: str) -> Language:
+        """Return the language of what lies at a path: the researcher's pages are in English."""
+        return language("en") if f"{path}/".startswith("/admin/") else self.materials.language
+
+    def problem(self, message: str, status: int, own: Language) -> Response:
         """Say what is wrong with a request."""
-        translated = self.materials.language.text(message)
-        sentence = f"{translated[:1].upper()}{translated[1:]}."
-        return self._message("That did not work", sentence, status, is_problem=True)
+        translated = own.text(message)
+        return self.page(
+            "message.html",
+            status,
+            lang=own.code,
+            _=own.text,
+            heading=own.text("That did not work"),
+            message=f"{translated[:1].upper()}{translated[1:]}.",
+            is_problem=True,
+        )
 
     def session(
         self, standing: Standing, recruit: Mapping[str, str], filled_in: Mapping[str, str] | None = None
@@ -185,17 +196,9 @@ class Pages:
             own = (HERE / "texts" / code / f"{name}.md").read_text(encoding="utf-8")
         return Markup(MarkdownIt("commonmark", {"html": False}).render(own))  # noqa: S704 (HTML in it is escaped)
 
-    def _message(
-        self, heading: str, message: str, status: int = 200, *, is_problem: bool = False
-    ) -> Response:
-        translate = self.materials.language.text
-        return self.page(
-            "message.html",
-            status,
-            heading=translate(heading),
-            message=translate(message),
-            is_problem=is_problem,
-        )
+    def _message(self, heading: str, message: str, status: int = 200) -> Response:
+        heading, message = map(self.materials.language.text, (heading, message))
+        return self.page("message.html", status, heading=heading, message=message, is_problem=False)
 
 
 def _in_frame(response: Response) -> Response:

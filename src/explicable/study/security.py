@@ -2,15 +2,17 @@
 
 import hashlib
 import hmac
+import math
 import secrets
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from itsdangerous import BadSignature, URLSafeSerializer, URLSafeTimedSerializer
 from starlette.datastructures import Headers
-from starlette.responses import PlainTextResponse
+from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 MAX_BODY_BYTES = 64 * 1024
@@ -25,6 +27,8 @@ HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
+Refuse: TypeAlias = Callable[[str, str, int, Mapping[str, str]], Response]
+"""Answers a request for a path that is refused: why, with which status and headers."""
 _RAW_HEADERS = [(name.lower().encode(), value.encode()) for name, value in HEADERS.items()]
 
 
@@ -134,6 +138,11 @@ class Limiter:
             self._buckets.popitem(last=False)  # whoever was quiet longest had a full bucket anyway
         return level >= 1
 
+    @property
+    def refill_s(self) -> int:
+        """Seconds after which there is a token again, whole ones."""
+        return math.ceil(1 / self.per_s)
+
 
 class Guard:
     """Middleware: limits bodies and floods, and sets the headers that keep browsers strict.
@@ -141,18 +150,27 @@ class Guard:
     A flood is counted by session, and without one by network address, which is kept in memory only.
     """
 
-    def __init__(self, app: ASGIApp, session: Limiter, address: Limiter) -> None:
-        self.app, self.session, self.address = app, session, address
+    def __init__(self, app: ASGIApp, session: Limiter, address: Limiter, refuse: Refuse) -> None:
+        self.app, self.session, self.address, self.refuse = app, session, address, refuse
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle one request."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        headers = Headers(scope=scope)
-        if scope["method"] not in {"GET", "HEAD"} and not self._may_go_on(scope, headers):
-            refusal = PlainTextResponse("too many requests\n", 429, {"Retry-After": "1", **HEADERS})
-            await refusal(scope, receive, send)
+
+        async def send_strictly(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                given = {name.lower() for name, _ in message["headers"]}
+                strict = [header for header in _RAW_HEADERS if header[0] not in given]
+                message = {**message, "headers": [*message["headers"], *strict]}
+            await send(message)
+
+        limiter, key = self._bucket(scope)
+        if scope["method"] not in {"GET", "HEAD"} and not limiter.allows(key):
+            wait = {"Retry-After": str(limiter.refill_s)}
+            refusal = self.refuse(scope["path"], "too many requests: please wait a moment", 429, wait)
+            await refusal(scope, receive, send_strictly)
             return
         body, is_whole = b"", False
         while not is_whole:
@@ -162,27 +180,22 @@ class Guard:
             body += message.get("body", b"")
             is_whole = not message.get("more_body", False)
             if len(body) > MAX_BODY_BYTES:
-                await PlainTextResponse("too large\n", 413, HEADERS)(scope, receive, send)
+                refusal = self.refuse(scope["path"], "that is too much to be sent at once", 413, {})
+                await refusal(scope, receive, send_strictly)
                 return
         messages = iter([{"type": "http.request", "body": body, "more_body": False}])
 
         async def receive_body() -> Message:
             return next(messages, None) or await receive()
 
-        async def send_strictly(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                given = {name.lower() for name, _ in message["headers"]}
-                strict = [header for header in _RAW_HEADERS if header[0] not in given]
-                message = {**message, "headers": [*message["headers"], *strict]}
-            await send(message)
-
         await self.app(scope, receive_body, send_strictly)
 
-    def _may_go_on(self, scope: Scope, headers: Headers) -> bool:
-        cookie = _cookie(headers.get("cookie", ""), SESSION_COOKIE)
+    def _bucket(self, scope: Scope) -> tuple[Limiter, str]:
+        """Return by what a request is counted."""
+        cookie = _cookie(Headers(scope=scope).get("cookie", ""), SESSION_COOKIE)
         if cookie and scope["path"].startswith(("/api/", "/session")):
-            return self.session.allows(hashlib.sha256(cookie.encode()).hexdigest())
-        return self.address.allows(scope["client"][0] if scope.get("client") else "")
+            return self.session, hashlib.sha256(cookie.encode()).hexdigest()
+        return self.address, scope["client"][0] if scope.get("client") else ""
 
 
 def _cookie(header: str, name: str) -> str:
