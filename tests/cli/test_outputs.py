@@ -40,3 +40,13 @@ def test_what_can_be_written_is_let_through(plan, tmp_path, output):
     (tmp_path / "link").symlink_to("domain.pddl")
     (tmp_path / "dangling").symlink_to("nowhere/yet")
     assert plan(output).returncode == UNSOLVABLE
+
+
+def test_a_device_is_no_folder(tmp_path):
+    (tmp_path / "room.map").write_text("@.*")
+    command = [sys.executable, "-m", "explicable", "first-response", "encode", "room.map", "-o", "/dev/full"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False)
+    assert done.returncode == USAGE
+    assert done.stderr.splitlines()[-1] == (
+        "Error: Invalid value for '-o' / '--output': '/dev/full' is no directory"
+    )

@@ -77,6 +77,15 @@ def test_ended_from_outside_a_run_goes_on(study, finished, tmp_path, ending):
     assert sum(stretch["trials"] for stretch in stretches) in {3, 4}  # the last before the end is not sure
 
 
+def test_workers_end_with_who_asked_for_them(study, tmp_path):
+    command = [sys.executable, "-m", "explicable", "evaluate", "--study", study, "-o", tmp_path]
+    with subprocess.Popen([*command, "--jobs", "2"], stdout=subprocess.PIPE) as process:
+        while process.poll() is None and not (tmp_path / "records" / "small.jsonl").exists():
+            time.sleep(0.01)
+        process.kill()
+        process.communicate(timeout=200)  # returns when no worker has the output open any more
+
+
 def test_dask_workers_may_die_and_come_back(study, finished, tmp_path):
     """Every worker is killed twice while it works; new ones take over."""
     distributed = pytest.importorskip("distributed")
@@ -112,6 +121,11 @@ def test_the_command_reports_and_says_what_failed(study, finished, tmp_path, cap
     page = (tmp_path / "report.html").read_text()
     assert "PlanError: &lt;it&gt; broke" in page
     assert "Unexplained failures" in page
+
+
+def test_a_record_that_cannot_be_written_names_its_file():
+    with pytest.raises(OSError, match="No space left on device: '/dev/full'"):
+        RecordFile("/dev/full").append({})
 
 
 def test_records_of_another_version_are_refused(finished, tmp_path, capsys):

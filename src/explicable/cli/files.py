@@ -38,6 +38,8 @@ class OutputPath(click.Path):
             place = place.parent  # folders that are missing will be made
             if place.exists() and not place.is_dir():
                 self.fail(f"'{path}' would lie in '{place}', which is no directory", param, ctx)
+        if not self.file_okay and not place.is_dir():
+            self.fail(f"'{path}' is no directory", param, ctx)
         if not os.access(place, os.W_OK):
             self.fail(f"'{place}' is not writable", param, ctx)
         return path

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from explicable.errors import InputError, UsageError
-from explicable.model.files import write_whole
+from explicable.model.files import naming_file, write_whole
 
 Settings = Mapping[str, Any]
 """By name: text, numbers, switches, or lists of them."""
@@ -126,7 +126,7 @@ class RecordFile:
     def append(self, record: Record) -> None:
         """Add a record; when this returns, it is on the disk."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        with self.path.open("ab") as file:
+        with naming_file(self.path), self.path.open("ab") as file:
             file.write(format_record(record))
             file.flush()
             os.fsync(file.fileno())

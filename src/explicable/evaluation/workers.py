@@ -3,6 +3,9 @@
 A trial travels as its key and comes back as its record's line: plain text, whatever carries it.
 """
 
+import os
+import threading
+import time
 from collections.abc import Iterator, Sequence
 
 from explicable.errors import UsageError
@@ -29,7 +32,13 @@ def run_here(trials: Sequence[Trial], jobs: int = 1) -> Iterator[bytes]:
     from joblib import Parallel, delayed
 
     run = delayed(perform_key)
-    parallel = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
+    parallel = Parallel(
+        n_jobs=jobs,
+        return_as="generator_unordered",
+        batch_size=1,
+        initializer=_end_with_parent,
+        initargs=(os.getpid(),),
+    )
     yield from parallel(run(trial.key) for trial in trials)
 
 
@@ -66,6 +75,17 @@ def run_on_dask(trials: Sequence[Trial], address: str) -> Iterator[bytes]:
                 )
             else:
                 yield future.result()
+
+
+def _end_with_parent(parent: int) -> None:
+    """Let this process end when its parent has: killed, it can't tell its workers to."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def perform_key(key: str) -> bytes:

@@ -1,6 +1,8 @@
 """Files that appear whole or not at all."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -23,13 +25,28 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
     '(wait)'
     """
     data = content.encode() if isinstance(content, str) else content
-    try:
+    with naming_file(path):
         if Path(path).exists() and not Path(path).is_file():
             Path(path).write_bytes(data)  # renaming would put a file in the place of, say, /dev/null
         else:
             _replace(Path(os.path.realpath(path)), data)
+
+
+@contextmanager
+def naming_file(path: str | Path) -> Iterator[None]:
+    """Let errors of the system name the file that was asked for: not one aside, nor none (a full disk's).
+
+    Examples
+    --------
+    >>> with naming_file("plan.txt"):
+    ...     raise OSError(28, "No space left on device")
+    Traceback (most recent call last):
+    OSError: [Errno 28] No space left on device: 'plan.txt'
+    """
+    try:
+        yield
     except OSError as error:
-        error.filename, error.filename2 = str(path), None  # not the one aside, which nobody has asked for
+        error.filename, error.filename2 = str(path), None
         raise
 
 
