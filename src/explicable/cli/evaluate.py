@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from explicable.cli import EXIT_TRIALS_FAILED
 from explicable.cli.extras import require
 from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER
 
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from explicable.evaluation.runner import Tell
-
-from explicable.cli import EXIT_TRIALS_FAILED
 
 
 @click.command()
