@@ -124,7 +124,7 @@ def test_the_command_reports_and_says_what_failed(study, finished, tmp_path, cap
 
 
 def test_a_record_that_cannot_be_written_names_its_file():
-    with pytest.raises(OSError, match="No space left on device: '/dev/full'"):
+    with pytest.raises(OSError, match=r"No space left on device: '/dev/full'$"):
         RecordFile("/dev/full").append({})
 
 
