@@ -112,6 +112,7 @@ void TeamTables::find_requests(const Task& task) {
     std::vector<bool> needed(static_cast<std::size_t>(task.num_facts())), shared(needed);
     std::vector<OperatorId> first_adder(static_cast<std::size_t>(task.num_facts()), -1);
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
+        if (steps_[op].schema < 0) continue;  // auxiliary: nobody's
         if (!steps_[op].is_human) {
             for (const auto fact : task.preconditions[op]) needed[fact] = true;
             continue;
@@ -141,7 +142,7 @@ void TeamTables::find_requests(const Task& task) {
     }
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
         std::set<std::int32_t> fulfilled;
-        if (!steps_[op].is_human)
+        if (!steps_[op].is_human && steps_[op].schema >= 0)
             for (const auto fact : task.preconditions[op])
                 fulfilled.insert(requests_of_fact[fact].begin(), requests_of_fact[fact].end());
         fulfils.push_back(fulfilled);

@@ -67,6 +67,35 @@ DAY = """(define (problem day) (:domain desk) (:objects h - human r - robot)
   (:init (open) (inside r)) (:goal (and {goal})))"""
 
 
+CHOICE = """(define (domain choice) (:types robot human item)
+  (:predicates (asked ?i - item) (approved ?i - item) (fetched ?i - item))
+  (:action ask :parameters (?h - human ?i - item) :effect (asked ?i))
+  (:action approve :parameters (?h - human ?i - item) :effect (approved ?i))
+  (:action fetch :parameters (?r - robot ?i - item) :precondition (asked ?i) :effect (fetched ?i)))"""
+EITHER = """(define (problem either) (:domain choice) (:objects h - human r - robot x y - item)
+  (:init) (:goal {goal}))"""
+
+
+@pytest.mark.parametrize("way", ["commanded", "autonomous"])
+@pytest.mark.parametrize(
+    ("goal", "length"),
+    [
+        ("(or (fetched x) (fetched y))", 2),
+        ("(and (fetched x) (or (asked y) (approved y)))", 3),
+        ("(exists (?i - item) (approved ?i))", 1),
+    ],
+)
+def test_one_of_several_ends_will_do(way, goal, length):
+    """What ends a search where the goal leaves a choice is no step, and fulfils no request."""
+    problem = parse_problem(EITHER.format(goal=goal), parse_domain(CHOICE))
+    for horizon in ("request", "mission"):
+        participant = Participant("simulated-1", horizon=horizon, initiative=way == "autonomous")
+        team_problem = TeamProblem(problem)
+        episode = simulate(prepare(team_problem), participant, np.random.default_rng(0), way=way)
+        assert episode.ending is Ending.REACHED
+        assert len(episode.trace.steps) == length
+
+
 @pytest.mark.parametrize("way", ["commanded", "autonomous"])
 @pytest.mark.parametrize(
     ("needs", "goal", "steps"),

@@ -37,8 +37,8 @@ def compare(problem):
     assert asking.keys() == requests.keys()
     for action, number in asking.items():
         assert {task.fact(fact) for fact in tables.request_facts[number]} == requests[action].permits
-        fulfilling = {task.action(o) for o in operators if number in tables.fulfils(o)}
-        assert fulfilling == {action for action in requests[action].fulfilled_by if action}
+        fulfilling = {task.action(o) for o in range(task.num_operators) if number in tables.fulfils(o)}
+        assert fulfilling == requests[action].fulfilled_by
     return requests
 
 

@@ -93,7 +93,8 @@ class Outlook:
             steps = self._robot_steps[state] = tuple(
                 (action, self.task.cost(operator), self.task.successor(state, operator))
                 for operator in self.task.applicable(state)
-                if " " not in (action := self.task.action(operator))[0]  # such are the stage's
+                if (action := self.task.action(operator))
+                and " " not in action[0]  # such are the stage's
                 and self.problem.agent_of(action).kind == "robot"
             )
         return steps

@@ -99,12 +99,16 @@ def build_stage(problem: Problem, flippable: Iterable[GroundAtom] = ()) -> Stage
     """
     flippable = tuple(flippable)
     task = ground(_switched(problem, flippable))
-    found = {task.action(operator)[0]: operator for operator in range(task.num_operators)}
+
+    def switch(name: str) -> int:
+        (operator,) = task.operators_of((name,))
+        return operator
+
     beliefs = {
-        atom: (found[_flip_name(number, true=True)], found[_flip_name(number, true=False)])
+        atom: (switch(_flip_name(number, true=True)), switch(_flip_name(number, true=False)))
         for number, atom in enumerate(flippable)
     }
-    return Stage(task, beliefs, found[_SETTLE], found[_SETTLE_ALONE])
+    return Stage(task, beliefs, switch(_SETTLE), switch(_SETTLE_ALONE))
 
 
 def _flip_name(number: int, *, true: bool) -> str:

@@ -49,7 +49,7 @@ def find_requests(problem: TeamProblem, task: Task) -> dict[GroundAtom, Request]
     >>> find_requests(problem, ground(problem.composite))["command", "person", "c-0-1"].fulfilled_by
     frozenset({('visit-room', 'r1', 'c-0-1')})
     """
-    operators = range(task.num_operators)
+    operators = [o for o in range(task.num_operators) if task.action(o)]  # what is auxiliary is nobody's
     human = {o for o in operators if problem.agent_of(task.action(o)).kind == "human"}
     arguments: dict[int, set[GroundAtom]] = {}  # with which human steps add a fact
     for operator in human:
