@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from explicable.errors import UsageError
+from explicable.model.team import TeamTask
 from explicable.planning import telling
 from explicable.planning.differences import FactDifference, find_differences
 from explicable.planning.explanation import tell
@@ -90,13 +91,29 @@ def test_without_a_difference_or_a_plan_there_is_nothing_to_tell():
 
 
 def test_out_of_time_the_best_so_far_is_given(monkeypatch):
-    clock = itertools.count(step=PATIENCE_S)  # at the second look at it the time is up
+    clock = itertools.chain([0, 0], itertools.repeat(PATIENCE_S))  # after the first plan the time is up
     monkeypatch.setattr(telling, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     late = conform_or_explain(floor(DETOUR), judge_of_progress(), **OPTIONS)
     assert late.outcome is Outcome.SOLVED
-    assert late.objective <= late.objective_untold
+    assert late.objective == late.objective_untold
+    assert not late.is_complete
     assert late.plan.actions[0] == command(1, 3) or late.plan.actions[0] in moves((1, 1), (2, 1))
     assert late.plan.actions[-1] == visit(1, 3)
+
+
+@pytest.mark.parametrize("max_sets", [64, 1])  # 1: explaining puts in order what could be told
+def test_what_is_seen_of_a_task_is_measured_once(max_sets):
+    team, labeller = floor(DETOUR), judge_of_progress()
+    measured, features = [], labeller.features
+
+    def noted(seen):
+        measured.extend([seen] if isinstance(seen, TeamTask) else [])
+        return features(seen)
+
+    labeller.features = noted
+    result = conform_or_explain(team, labeller, max_told=1, max_sets=max_sets, **OPTIONS)
+    assert result.is_complete == (max_sets > 1)
+    assert sum(one is team for one in measured) == 1
 
 
 @pytest.mark.parametrize(

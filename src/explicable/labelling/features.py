@@ -22,7 +22,7 @@ from explicable.labelling.templates import (
 from explicable.model.problem import GroundAtom
 from explicable.model.requests import Request, find_requests
 from explicable.model.task import State
-from explicable.model.team import TeamTask, agent_kind
+from explicable.model.team import TeamTask, agent_kinds
 
 MAX_REQUESTS = 8
 """A person keeps so many open requests in mind; older ones are forgotten."""
@@ -204,15 +204,14 @@ def _look_ahead(step: _SeenStep, after: _SeenStep | None) -> Iterator[str]:
 
 
 def _make_tables(team: TeamTask) -> _core.TeamTables:
-    domain = team.task.problem.domain
-    types = {**domain.constants, **team.task.problem.objects}
+    kinds = agent_kinds(team.task.problem)
     try:
         return _core.TeamTables(
             team.task.core,
             team.mental.core,
             list(team.task.goal),
             *_mental_names(team),
-            [agent_kind(domain, types[name]) == "human" for name in team.task.objects],
+            [kinds[name] == "human" for name in team.task.objects],
         )
     except ValueError as error:  # std::length_error
         raise ResourceError(f"problem {team.task.problem.name}: {error}") from error

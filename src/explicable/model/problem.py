@@ -181,6 +181,20 @@ def supertypes(domain: Domain, types: Iterable[str]) -> frozenset[str]:
     return _upwards(domain.types, types)
 
 
+def object_types(problem: Problem) -> dict[str, frozenset[str]]:
+    """Give each object, constants included, with all types that it has, ``object`` included.
+
+    Examples
+    --------
+    >>> domain = Domain("d", frozenset(), {"truck": ("object",)}, {}, (), (), ())
+    >>> sorted(object_types(Problem("p", domain, {"t": ("truck",)}, (), TRUE, {}))["t"])
+    ['object', 'truck']
+    """
+    objects = {**problem.domain.constants, **problem.objects}
+    above = {types: supertypes(problem.domain, types) for types in set(objects.values())}  # few for thousands
+    return {name: above[types] for name, types in objects.items()}
+
+
 def _upwards(types: Mapping[str, tuple[str, ...]], names: Iterable[str]) -> frozenset[str]:
     above, pending = {"object"}, list(names)
     while pending:

@@ -15,6 +15,7 @@ from explicable.model.problem import (
     Predicate,
     Problem,
     ancestors,
+    object_types,
     supertypes,
 )
 
@@ -75,12 +76,7 @@ class TeamProblem:
         """
         if undecided := find_undecided(self.composite):
             raise PDDLError(explain_undecided(undecided[0]))
-        domain = self.composite.domain
-        agents = []
-        for name, types in {**domain.constants, **self.composite.objects}.items():
-            kind = agent_kind(domain, types)
-            if kind is not None:
-                agents.append(Agent(name, kind))
+        agents = [Agent(name, kind) for name, kind in agent_kinds(self.composite).items() if kind]
         if not any(agent.kind == "robot" for agent in agents):
             agents.insert(0, Agent(DEFAULT_ROBOT, "robot"))
         return tuple(agents)
@@ -106,10 +102,26 @@ class TeamTask:
 
 def agent_kind(domain: Domain, types: Iterable[str]) -> Literal["robot", "human"] | None:
     """Whether things of these types are robots, humans, or no agents at all."""
-    above = supertypes(domain, types)
+    return _kind(supertypes(domain, types))
+
+
+def _kind(above: frozenset[str]) -> Literal["robot", "human"] | None:
     if "human" in above:
         return "human"
     return "robot" if "robot" in above else None
+
+
+def agent_kinds(problem: Problem) -> dict[str, Literal["robot", "human"] | None]:
+    """Say of each object, constants included, whether it is a robot, a human, or no agent at all.
+
+    Examples
+    --------
+    >>> from explicable.model.problem import TRUE
+    >>> domain = Domain("d", frozenset(), {"robot": ("object",)}, {}, (), (), ())
+    >>> agent_kinds(Problem("p", domain, {"r": ("robot",), "door": ("object",)}, (), TRUE, {}))
+    {'r': 'robot', 'door': None}
+    """
+    return {name: _kind(above) for name, above in object_types(problem).items()}
 
 
 def find_undecided(problem: Problem) -> tuple[str, ...]:
@@ -122,9 +134,7 @@ def find_undecided(problem: Problem) -> tuple[str, ...]:
     >>> find_undecided(Problem("p", domain, {"r": ("robot",), "x": ("robot", "human")}, (), TRUE, {}))
     ('x',)
     """
-    objects = {**problem.domain.constants, **problem.objects}
-    both = {"robot", "human"}
-    return tuple(name for name, types in objects.items() if both <= supertypes(problem.domain, types))
+    return tuple(name for name, above in object_types(problem).items() if {"robot", "human"} <= above)
 
 
 def explain_undecided(name: str) -> str:

@@ -27,6 +27,7 @@ from explicable.search import search
 
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan, Labeller
+    from explicable.labelling.features import TeamFeatures
 
 _WAY_EVALUATIONS = 10_000  # for a guess at what the person expected; only the order of trials hangs on it
 
@@ -98,7 +99,7 @@ class StepExplanation:
 
 
 def explain(
-    team_task: TeamTask,
+    team_task: "TeamTask | TeamFeatures",
     labeller: "Labeller",
     actions: Sequence[GroundAtom],
     *,
@@ -116,6 +117,8 @@ def explain(
 
     Parameters
     ----------
+    team_task
+        The task, or what the labeller sees of it if that was made before (`Labeller.features`).
     actions
         A plan of the composite task, from the initial state.
     threshold
@@ -154,8 +157,9 @@ farther (-5.0). Did the person know that (clear c-0-1) does not hold, it would b
     if not 0 <= threshold <= 1 or max_told < 0:
         raise UsageError("the threshold must be between 0 and 1, and the size of a set not negative")
     deadline = time.monotonic() + time_limit_s
-    labelled = labeller.label(team_task, actions)
-    counsel = _Counsel(team_task, labeller, labelled, deadline)
+    features = labeller.features(team_task)
+    labelled = labeller.label(features, actions)
+    counsel = _Counsel(features.team, labeller, labelled, deadline)
     most = max(map(len, labelled.features), default=0)
     return tuple(
         _explain_step(counsel, number, threshold, max_told, [r for r in reasons if r[1] < 0][:num_reasons])

@@ -40,12 +40,14 @@ class WeighedPlan:
 class Listener:
     """The person, as they are and as they would be after being told one set of differences or another."""
 
-    def __init__(self, team_task: TeamTask, labeller: "Labeller", differences: Sequence[Difference]) -> None:
-        self.team_task = team_task
+    def __init__(
+        self, features: "TeamFeatures", labeller: "Labeller", differences: Sequence[Difference]
+    ) -> None:
+        self.team_task = features.team
         self.labeller = labeller
         self.differences = differences
         self.lower_bound = 0.0
-        self.knowing: dict[frozenset[int], TeamFeatures] = {frozenset(): labeller.features(team_task)}
+        self.knowing: dict[frozenset[int], TeamFeatures] = {frozenset(): features}
 
     def learn(self, max_told: int, max_sets: int, deadline: float) -> bool:
         """Prepare sets of differences, the smallest first; return whether all up to a size were."""

@@ -27,6 +27,7 @@ from explicable.search import (
 
 if TYPE_CHECKING:  # planning without a labeller starts without NumPy
     from explicable.labelling import Labeller
+    from explicable.labelling.features import TeamFeatures
     from explicable.planning.predictions import HumanModel
 
 
@@ -62,7 +63,7 @@ def plan_classically(
 
 @held_interrupt()  # between the searches, too, Ctrl-C leaves the best plan so far
 def plan_explicably(
-    team_task: TeamTask,
+    team_task: "TeamTask | TeamFeatures",
     labeller: "Labeller",
     *,
     alpha: float = 1.0,
@@ -89,6 +90,8 @@ def plan_explicably(
 
     Parameters
     ----------
+    team_task
+        The task, or what the labeller sees of it if that was made before (`Labeller.features`).
     alpha
         Price of one inexplicable step, in the unit of cost.
     algorithm
@@ -127,6 +130,7 @@ def plan_explicably(
     if human_step_weight != 0 and human_model is None:
         raise UsageError("human steps can be charged for only with a model of what people choose")
     features = labeller.features(team_task)
+    team_task = features.team
     choice_model = human_model.model if human_model else None
     scorer = labeller.scorer(features, expected=expected, choice_model=choice_model, charge=human_step_weight)
     options = _Options(

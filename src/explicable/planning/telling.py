@@ -30,6 +30,7 @@ from explicable.search import Outcome, search
 
 if TYPE_CHECKING:
     from explicable.labelling import Labeller
+    from explicable.labelling.features import TeamFeatures
     from explicable.planning.predictions import HumanModel
 
 
@@ -153,12 +154,17 @@ def conform_or_explain(
     if max_sets < 1:
         raise UsageError("the person who is told nothing is one set: max_sets must be at least 1")
     deadline = time.monotonic() + time_limit_s
+
+    def left_s() -> float:
+        return max(deadline - time.monotonic(), 0.0)
+
+    features = labeller.features(team_task)
     plain = plan_explicably(
-        team_task,
+        features,
         labeller,
         alpha=alpha,
         improve_s=improve_s,
-        time_limit_s=time_limit_s,
+        time_limit_s=left_s(),
         human_model=human_model,
         human_step_weight=human_step_weight,
         seed=seed,
@@ -166,24 +172,25 @@ def conform_or_explain(
     if plain.plan is None or plain.labelled is None or plain.objective is None:
         return ToldPlan(plain.outcome, None, (), (), None, 0.0, None, is_complete=True)
     weighed = WeighedPlan(plain.plan, (), plain.labelled.probabilities, plain.objective)
-    cheapest = search(team_task.task, "anytime", time_limit_s=improve_s, seed=seed)
+    cheapest = search(team_task.task, "anytime", time_limit_s=min(improve_s, left_s()), seed=seed)
     affordable = plain.objective - cheapest.lower_bound
     while max_told > 0 and telling_cost * max_told >= affordable:
         max_told -= 1
     plans = [plain.plan, *([] if cheapest.operators is None else [plan_of(team_task, cheapest.operators)])]
-    left_s = deadline - time.monotonic()
-    candidates = _candidates(team_task, labeller, plans, max_told, max_sets, left_s / 4)
-    listener = Listener(team_task, labeller, candidates)
-    is_complete = listener.learn(max_told, max_sets, deadline - left_s / 2)
-    told = listener.plan(
-        alpha,
-        telling_cost,
-        time_limit_s=max(min(improve_s, deadline - time.monotonic()), 0.0),
-        human_model=human_model,
-        human_step_weight=human_step_weight,
-        seed=seed,
-    )
-    lower_bound = plain.lower_bound if max_told == 0 else listener.lower_bound
+    told, is_complete, lower_bound = None, max_told == 0, 0.0
+    if share_s := left_s() / 2:
+        candidates = _candidates(features, labeller, plans, max_told, max_sets, share_s / 2)
+        listener = Listener(features, labeller, candidates)
+        is_complete = listener.learn(max_told, max_sets, deadline - share_s)
+        told = listener.plan(
+            alpha,
+            telling_cost,
+            time_limit_s=min(improve_s, left_s()),
+            human_model=human_model,
+            human_step_weight=human_step_weight,
+            seed=seed,
+        )
+        lower_bound = listener.lower_bound
     best = told if told is not None and told.objective < weighed.objective - AS_GOOD else weighed
     return ToldPlan(
         outcome=Outcome.SOLVED,
@@ -191,14 +198,14 @@ def conform_or_explain(
         tellings=best.tellings,
         probabilities=best.probabilities,
         objective=best.objective,
-        lower_bound=min(lower_bound, best.objective),
+        lower_bound=min(plain.lower_bound if max_told == 0 else lower_bound, best.objective),
         objective_untold=weighed.objective,
         is_complete=is_complete,
     )
 
 
 def _candidates(
-    team_task: TeamTask,
+    features: "TeamFeatures",
     labeller: "Labeller",
     plans: Sequence[JointPlan],
     max_told: int,
@@ -206,14 +213,14 @@ def _candidates(
     time_limit_s: float,
 ) -> list[Difference]:
     """Order what can be told: where not all can be tried, what explains the plans' steps comes first."""
-    differences = find_differences(team_task.problem)
+    differences = find_differences(features.team.problem)
     num_sets = sum(math.comb(len(differences), size) for size in range(max_told + 1))
     if max_told == 0 or num_sets <= max_sets:
         return list(differences)
     explaining: dict[Difference, None] = {}
     for plan in plans if time_limit_s > 0 else ():
         steps = explain(
-            team_task, labeller, plan.actions, max_told=max_told, time_limit_s=time_limit_s / len(plans)
+            features, labeller, plan.actions, max_told=max_told, time_limit_s=time_limit_s / len(plans)
         )
         explaining.update(dict.fromkeys(difference for step in steps for difference in step.told))
     return [*explaining, *(difference for difference in differences if difference not in explaining)]
