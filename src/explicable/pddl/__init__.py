@@ -1,6 +1,7 @@
 """Reading and writing PDDL."""
 
-from explicable.pddl.parser import parse_domain, parse_problem, read_domain, read_pair, read_problem
+from explicable.pddl.files import read_domain, read_pair, read_problem
+from explicable.pddl.parser import parse_domain, parse_problem
 from explicable.pddl.source import PDDLWarning
 from explicable.pddl.team import read_team_problem
 from explicable.pddl.writer import format_domain, format_problem

@@ -1,7 +1,6 @@
-"""Conditions and effects: text -> model, each name checked where it stands."""
+"""Conditions, ground atoms and numbers: text -> model, each name checked where it stands."""
 
 import re
-from dataclasses import dataclass, field
 from typing import NoReturn
 
 from explicable.errors import UnsupportedFeatureError
@@ -9,7 +8,6 @@ from explicable.model.problem import (
     TRUE,
     And,
     Atom,
-    Effect,
     Exists,
     Forall,
     Formula,
@@ -44,16 +42,8 @@ _UNSUPPORTED = {
 Scope = dict[str, tuple[str, ...]]  # each variable in sight with its types
 
 
-@dataclass(slots=True)
-class EffectList:
-    """What an action does, as collected while its effect is read."""
-
-    effects: list[Effect] = field(default_factory=list)
-    cost: list[int | FunctionTerm] = field(default_factory=list)
-
-
 class FormulaReader:
-    """Reads formulas and effects at a cursor, with the names of one file."""
+    """Reads formulas at a cursor, with the names of one file."""
 
     __slots__ = ("_cursor", "_requirements", "_vocabulary")
 
@@ -123,7 +113,7 @@ class FormulaReader:
     def _read_quantified(self, scope: Scope) -> tuple[tuple[Parameter, ...], Formula]:
         self._cursor.take()
         parameters = self.read_parameters()
-        body = self.read_formula(scope | _scope_of(parameters))
+        body = self.read_formula(scope | scope_of(parameters))
         self._cursor.take_bracket(")")
         return parameters, body
 
@@ -236,81 +226,9 @@ class FormulaReader:
             raise cursor.error(f"negative cost {token}")
         raise cursor.error(f"expected a number, not {cursor.shown}")
 
-    # Effects
 
-    def read_effect(self, scope: Scope) -> EffectList:
-        """Read the effect of an action; ``()`` does nothing."""
-        found = EffectList()
-        self._read_effect(scope, (), None, found)
-        return found
-
-    def _read_effect(
-        self, scope: Scope, parameters: tuple[Parameter, ...], condition: Formula | None, found: EffectList
-    ) -> None:
-        """Read one effect under the `forall` parameters and the `when` condition around it."""
-        cursor = self._cursor
-        cursor.take_bracket("(")
-        start = cursor.start
-        match cursor.ahead:
-            case ")":
-                pass
-            case "and":
-                cursor.take()
-                while not cursor.closes():
-                    self._read_effect(scope, parameters, condition, found)
-            case "forall" | "when" if condition is not None:
-                raise cursor.error(f"'{cursor.ahead}' can't stand inside 'when'")
-            case "forall":
-                self._requirements.use(":conditional-effects", start)
-                cursor.take()
-                inner = self.read_parameters()
-                if twice := _scope_of(parameters).keys() & _scope_of(inner).keys():
-                    raise cursor.source.error(f"parameter '{min(twice)}' is declared twice", start)
-                self._read_effect(scope | _scope_of(inner), parameters + inner, condition, found)
-            case "when":
-                self._requirements.use(":conditional-effects", start)
-                cursor.take()
-                self._read_effect(scope, parameters, self.read_formula(scope), found)
-            case "increase":
-                if parameters or condition is not None:
-                    raise cursor.error("conditional costs are not supported", UnsupportedFeatureError)
-                found.cost.append(self._read_increase(scope))
-            case "not":
-                cursor.take()
-                cursor.take_bracket("(")
-                atom = self._read_effect_atom(scope)
-                found.effects.append(Effect(atom, False, condition or TRUE, parameters))
-            case _:
-                atom = self._read_effect_atom(scope)
-                found.effects.append(Effect(atom, True, condition or TRUE, parameters))
-                return
-        cursor.take_bracket(")")
-
-    def _read_effect_atom(self, scope: Scope) -> Atom:
-        if self._cursor.ahead in KEYWORDS:
-            self._refuse_head()
-        return self._read_atom(scope)
-
-    def _read_increase(self, scope: Scope) -> int | FunctionTerm:
-        """Read the rest of ``(increase (total-cost) amount)`` up to its closing bracket."""
-        cursor = self._cursor
-        cursor.take()
-        start = cursor.taken
-        if self.read_function_term(scope) != FunctionTerm("total-cost", ()):
-            message = "numeric effects other than on 'total-cost' ('increase') are not supported"
-            raise cursor.source.error(message, start, UnsupportedFeatureError)
-        self._requirements.use(":action-costs", start)
-        if cursor.ahead != "(":
-            return self.read_amount()
-        start = cursor.start
-        amount = self.read_function_term(scope)
-        if amount.name == "total-cost":
-            message = "a cost that depends on 'total-cost' is not supported"
-            raise cursor.source.error(message, start, UnsupportedFeatureError)
-        return amount
-
-
-def _scope_of(parameters: tuple[Parameter, ...]) -> dict[str, tuple[str, ...]]:
+def scope_of(parameters: tuple[Parameter, ...]) -> Scope:
+    """Return what parameters bring into sight."""
     return {parameter.name: parameter.types for parameter in parameters}
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from explicable.errors import PDDLError, UnsupportedFeatureError
+from explicable.errors import UnsupportedFeatureError
 from explicable.model.problem import (
     TRUE,
     ActionSchema,
@@ -23,7 +23,8 @@ from explicable.pddl.declarations import (
     read_typed_list,
     read_types,
 )
-from explicable.pddl.formulas import EffectList, FormulaReader
+from explicable.pddl.effects import EffectList, EffectReader
+from explicable.pddl.formulas import FormulaReader, scope_of
 from explicable.pddl.initial_state import read_init
 from explicable.pddl.source import Cursor, Source, Warn
 from explicable.pddl.vocabulary import Requirements, Vocabulary
@@ -162,50 +163,6 @@ def parse_problem(
     return Problem(name, domain, objects, init, goal, values, ":metric" in sections)
 
 
-def read_domain(path: str | Path, *, warn: Warn | None = None) -> Domain:
-    """Read a domain file; see `parse_domain`.
-
-    Examples
-    --------
-    >>> read_domain("missing.pddl")
-    Traceback (most recent call last):
-    explicable.errors.PDDLError: missing.pddl: can't be read: No such file or directory
-    """
-    return parse_domain(_read_text(path), path, warn=warn)
-
-
-def read_problem(path: str | Path, domain: Domain, *, warn: Warn | None = None) -> Problem:
-    """Read a problem file; see `parse_problem`.
-
-    Examples
-    --------
-    >>> domain = parse_domain("(define (domain lamp))")
-    >>> read_problem("missing.pddl", domain)
-    Traceback (most recent call last):
-    explicable.errors.PDDLError: missing.pddl: can't be read: No such file or directory
-    """
-    return parse_problem(_read_text(path), domain, path, warn=warn)
-
-
-def read_pair(domain_path: str | Path, problem_path: str | Path, *, warn: Warn | None = None) -> Problem:
-    """Read a domain file and a problem file; the problem holds the domain.
-
-    Examples
-    --------
-    >>> read_pair("missing.pddl", "problem.pddl")
-    Traceback (most recent call last):
-    explicable.errors.PDDLError: missing.pddl: can't be read: No such file or directory
-    """
-    return read_problem(problem_path, read_domain(domain_path, warn=warn), warn=warn)
-
-
-def _read_text(path: str | Path) -> str:
-    try:
-        return Path(path).read_bytes().decode(errors="surrogateescape")
-    except OSError as error:
-        raise PDDLError(f"can't be read: {error.strerror}", path=path) from error
-
-
 def _open(source: Source, kind: str, allowed: tuple[str, ...]) -> tuple[str, dict[str, list[int]]]:
     """Give the name in ``(domain name)`` or ``(problem name)``, and where each section begins."""
     name = ""
@@ -256,7 +213,7 @@ def _read_action(
     name: str, cursor: Cursor, vocabulary: Vocabulary, requirements: Requirements
 ) -> ActionSchema:
     """Read what follows an action's name."""
-    reader = FormulaReader(cursor, vocabulary, requirements)
+    reader = EffectReader(cursor, vocabulary, requirements)
     parameters: tuple[Parameter, ...] = ()
     scope: dict[str, tuple[str, ...]] = {}
     precondition: Formula = TRUE
@@ -273,7 +230,7 @@ def _read_action(
             case ":parameters":
                 cursor.take()
                 parameters = reader.read_parameters()
-                scope = {parameter.name: parameter.types for parameter in parameters}
+                scope = scope_of(parameters)
             case ":precondition":
                 cursor.take()
                 precondition = reader.read_formula(scope)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from explicable.errors import ConflictError, PDDLError
 from explicable.model.team import Conflict, TeamProblem, explain_undecided, find_conflicts, find_undecided
-from explicable.pddl.parser import read_pair
+from explicable.pddl.files import read_pair
 from explicable.pddl.places import find_declaration
 from explicable.pddl.source import Warn
 
