@@ -10,9 +10,8 @@ record, and can be replayed.
 """
 
 import time
-from collections import Counter, defaultdict, deque
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
 
 from explicable.errors import UsageError
 from explicable.execution.course import Course
@@ -21,6 +20,7 @@ from explicable.execution.episodes import Ending, Episode
 from explicable.execution.facts import most_specific
 from explicable.execution.monitor import FINAL, Event
 from explicable.execution.notices import Notice
+from explicable.execution.progress import Progress, Sent
 from explicable.execution.robots.door import Door
 from explicable.execution.robots.protocol import (
     Blocked,
@@ -100,8 +100,7 @@ class Dispatcher:
         self._limits, self._clock, self._pause = limits or DispatchLimits(), clock, pause
         self._outside: deque[GroundAtom] = deque()
         self._history: list[Dispatched] = []
-        self._given_up: dict[str, _Sent] = {}  # by lost agents
-        self._cancelled: set[int] = set()  # numbers of orders
+        self._given_up: dict[str, Sent] = {}  # by lost agents
         self._num_orders = self._num_plans = 0
         self._planning_s: list[float] = []
         self._waiting_since: dict[str, float] = {}  # for agents that refuse
@@ -124,7 +123,7 @@ class Dispatcher:
                 self._bring(Notice(Event.ABORT))
             raise
         finally:
-            if self._open:
+            if self._progress.under_way:
                 for member in self._crew.values():
                     member.cancel()
         return self.result()
@@ -157,7 +156,7 @@ class Dispatcher:
             self._waiting_since.clear()
         else:
             happened |= self._send_what_is_ready()
-        if not self._open and not set(self._waiting_since) - self.course.lost:
+        if not self._progress.under_way and not set(self._waiting_since) - self.course.lost:
             self._conclude()
         elif self._is_time_up():
             self._bring(Notice(Event.TIME_UP, reason=Ending.TIME.value))
@@ -166,10 +165,7 @@ class Dispatcher:
 
     def _adopt(self, schedule: Schedule) -> None:
         """Begin to carry out a schedule, or go on without one if the course says that it is none."""
-        self._schedule = schedule
-        self._done: set[int] = set()
-        self._open: dict[int, _Sent] = {}  # by number of the step
-        self._failures: Counter[int] = Counter()
+        self._progress = Progress(schedule)
         self._waiting_since.clear()
         self._is_outdated = not self._bring(Notice(Event.PLAN_READY, plan=schedule.actions))
         if self._is_outdated:
@@ -209,18 +205,14 @@ class Dispatcher:
 
     def _check_rest(self) -> None:
         """Find out whether what is left still leads to the goal, if those who are lost come back."""
-        steps = enumerate(self._schedule.steps)
-        rest = [scheduled.step.action for number, scheduled in steps if number not in self._done]
-        state = self._truth.follow(self.course.state, rest)
+        state = self._truth.follow(self.course.state, self._progress.rest)
         self._is_outdated |= state is None or not self._truth.task.is_goal(state)
 
     def _send_what_is_ready(self) -> bool:
-        busy = {self._schedule.steps[number].step.agent for number in self._open} | self.course.lost
+        busy = self._progress.busy | self.course.lost
         sent = False
-        for number, scheduled in enumerate(self._schedule.steps):
-            step = scheduled.step
-            waits = number in self._done or number in self._open or not self._done.issuperset(scheduled.after)
-            if waits or step.agent in busy:
+        for number, step in self._progress.ready():
+            if step.agent in busy:
                 continue
             if not self.course.allows(step.action):
                 self._is_outdated = True
@@ -239,7 +231,7 @@ class Dispatcher:
                 self._bring(Notice(Event.AGENT_LOST, agent=step.agent, reason="out of reach"))
             return False
         self._waiting_since.pop(step.agent, None)
-        self._open[number] = _Sent(self._schedule, number, order, self._now())
+        self._progress.under_way[number] = Sent(self._progress.schedule, number, order, self._now())
         return self._bring(Notice(Event.ROBOT_NEXT, step.action))
 
     def _take_reports(self) -> bool:
@@ -253,37 +245,38 @@ class Dispatcher:
 
     def _take(self, name: str, report: Report) -> None:
         if name in self._given_up and not isinstance(report, Observation):  # it was not lost after all
-            sent = self._given_up.pop(name)
+            returned = self._given_up.pop(name)
             self._bring(Notice(Event.AGENT_BACK, agent=name))
-            if sent.schedule is not self._schedule:
-                self._end_late(Step(name, sent.order.action), sent, report)
+            if returned.schedule is not self._progress.schedule:
+                self._end_late(returned, report)
                 return
-            self._open[sent.place] = sent
-        number = next((n for n in self._open if self._schedule.steps[n].step.agent == name), None)
-        if isinstance(report, Observation) or number is None:
+            self._progress.under_way[returned.number] = returned
+        sent = self._progress.sent_to(name)
+        if isinstance(report, Observation) or sent is None:
             # What a robot sees of things in motion counts when its step is over; of what is fixed, at once.
             self._seen[name] += [
                 fact for fact in facts_of(report) if fact.atom not in self._truth.stage.beliefs
             ]
             self._learn(fact for fact in facts_of(report) if fact.atom in self._truth.stage.beliefs)
-            if number is None:
+            if sent is None:
                 self._learn(self._seen.pop(name, []))
             return
-        step, sent = self._schedule.steps[number].step, self._open.pop(number)
-        self._cancelled.discard(sent.order.number)
+        step = sent.step
+        del self._progress.under_way[sent.number]
         self._history.append(Dispatched(step, sent.time_s, self._now(), report))
         if isinstance(report, Finished) and self._bring(Notice(Event.STEP_FINISHED, step.action)):
-            self._done.add(number)
+            self._progress.done.add(sent.number)
         else:
             reason = "blocked" if isinstance(report, Blocked) else getattr(report, "reason", "")
             self._bring(Notice(Event.STEP_FAILED, step.action, reason=reason))
             self._is_outdated |= isinstance(report, Finished)  # it can't have been done, as far as is known
         is_news = self._learn((*self._seen.pop(name, []), *facts_of(report)))
         if isinstance(report, Failed) or (isinstance(report, Blocked) and not is_news):
-            self._fail(number, step)
+            self._fail(sent)
 
-    def _end_late(self, step: Step, sent: "_Sent", report: Report) -> None:
+    def _end_late(self, sent: Sent, report: Report) -> None:
         """Let a step end that is none of the present plan's."""
+        step = sent.step
         self._history.append(Dispatched(step, sent.time_s, self._now(), report))
         if not (isinstance(report, Finished) and self._bring(Notice(Event.STEP_FINISHED, step.action))):
             self._bring(Notice(Event.STEP_FAILED, step.action))
@@ -301,11 +294,12 @@ class Dispatcher:
             self._check_rest()
         return is_news
 
-    def _fail(self, number: int, step: Step) -> None:
+    def _fail(self, sent: Sent) -> None:
         """Let a failed step be tried again, until its failing says something about the world."""
-        self._failures[number] += 1
-        if self._failures[number] >= self._limits.attempts:
-            fact = most_specific(self._truth.stage, step.action)
+        failures = self._progress.failures
+        failures[sent.number] += 1
+        if failures[sent.number] >= self._limits.attempts:
+            fact = most_specific(self._truth.stage, sent.step.action)
             self._learn([fact] if fact else [])
             self._is_outdated = True
 
@@ -318,36 +312,22 @@ class Dispatcher:
             happened = True
             agent = self.course.agent_of(action)
             self._history.append(Dispatched(Step(agent, action), self._now(), self._now(), None))
-            early = [
-                number
-                for number, scheduled in enumerate(self._schedule.steps)
-                if scheduled.step.action == action and number not in self._done and number not in self._open
-            ]
-            self._done.update(early[:1])
+            self._progress.count_as_done(action)
             self._check_rest()
         return happened
 
     def _watch_the_clock(self) -> bool:
         happened = False
-        for number, sent in list(self._open.items()):
-            step, waited_s = self._schedule.steps[number].step, self._now() - sent.time_s
-            if waited_s > self._limits.step_s and sent.order.number not in self._cancelled:
-                self._cancelled.add(sent.order.number)
+        for sent in list(self._progress.under_way.values()):
+            step, waited_s = sent.step, self._now() - sent.time_s
+            if waited_s > self._limits.step_s and not sent.is_cancelled:
+                sent.is_cancelled = True
                 self._bring(Notice(Event.TIME_PASSED, step.action))
                 self._crew[step.agent].cancel()
                 happened = True
             if waited_s > 2 * self._limits.step_s:
                 self._bring(Notice(Event.AGENT_LOST, agent=step.agent, reason="no answer"))
-                self._given_up[step.agent] = self._open.pop(number)
+                self._given_up[step.agent] = self._progress.under_way.pop(sent.number)
                 self._history.append(Dispatched(step, sent.time_s, self._now(), None))
                 happened = True
         return happened
-
-
-class _Sent(NamedTuple):
-    """A step that was sent: the schedule, its place there, the order, and when."""
-
-    schedule: Schedule
-    place: int
-    order: Order
-    time_s: float
