@@ -18,6 +18,7 @@
 #include "search/plan_improvement.hpp"
 #include "search/relaxed_plan.hpp"
 #include "search/solve.hpp"
+#include "task/successor.hpp"
 
 namespace {
 
@@ -126,6 +127,43 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
     return solve(question, options, monitor);
 }
 
+// A cheapest way and the states along it, the first included; no states where no way leads to the goal, nothing where a limit
+// ends the search. For those who ask often, and for ways that are soon found: it can't be interrupted.
+using Way = std::pair<std::vector<OperatorId>, std::vector<nb::bytes>>;
+
+std::optional<Way> cheapest_way(const CoreTask& task, const nb::bytes& from, const std::vector<FactId>& goal, std::int64_t max_evaluations,
+                                std::size_t memory_limit_bytes) {
+    check_goal(task, goal);
+    if (task.prepared.estimated_bytes() > memory_limit_bytes) return std::nullopt;
+    const Question question(task.prepared, state_of(task, from), goal);
+    Limits limits;
+    limits.evaluations = max_evaluations;
+    limits.memory_bytes = memory_limit_bytes;
+    SearchOptions options;
+    options.algorithm = "astar";
+    options.heuristic = "tour";
+    const auto answer = [&] {
+        const nb::gil_scoped_release released;
+        Monitor monitor(limits, {});
+        return solve(question, options, monitor);
+    }();
+    if (answer.outcome == Outcome::unsolvable) return Way{};
+    if (answer.outcome != Outcome::solved) return std::nullopt;
+    std::vector<Word> words(task.packer.num_words()), next(words.size());
+    task.packer.pack(question.initial, words.data());
+    Way way;
+    const auto keep = [&] { way.second.emplace_back(words.data(), words.size() * sizeof(Word)); };
+    keep();
+    for (const OperatorId step : *answer.plan) {
+        if (task.operator_schema[step] == auxiliary) continue;  // it stands for a disjunctive goal
+        apply(task, task.packer, step, words.data(), next.data());
+        std::swap(words, next);
+        way.first.push_back(step);
+        keep();
+    }
+    return way;
+}
+
 // The question that a plan answers.
 Question question_of(const CoreTask& task, const std::optional<nb::bytes>& initial, const std::vector<FactId>& goal, const std::vector<OperatorId>& plan) {
     check_goal(task, goal);
@@ -215,6 +253,7 @@ void bind_search(nb::module_& module) {
                "heuristic"_a, "preferred"_a, "lookahead"_a, "weight"_a, "seed"_a, "scorer"_a.none(), "closing"_a, "alpha"_a,
                "ratio"_a, "max_cost"_a.none(), "known_plans"_a, "gap"_a, "on_better"_a.none(), "interrupted"_a, "time_limit_s"_a, "memory_limit_bytes"_a.none(),
                "max_evaluations"_a.none());
+    module.def("cheapest_way", &cheapest_way, "task"_a, "initial"_a, "goal"_a, "max_evaluations"_a, "memory_limit_bytes"_a);
     module.def("eliminate_actions", &eliminated, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a);
     module.def("search_neighbourhood", &neighbouring, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a,
                "max_transitions"_a);

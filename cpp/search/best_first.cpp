@@ -8,9 +8,10 @@ BestFirstSearch::BestFirstSearch(const Question& question, BestFirstOptions opti
     : question_(question),
       options_(std::move(options)),
       nodes_(question.task, options_.labelled.scorer, options_.labelled.closing),
-      evaluator_(question, options_.labelled.scorer, options_.supporter_cost),
       ties_(options_.seed),
-      is_marked_(options_.preferred == Preferred::none ? 0 : question.task.num_operators(), 0) {}
+      is_marked_(options_.preferred == Preferred::none ? 0 : question.task.num_operators(), 0) {
+    if (!options_.admissible) evaluator_.emplace(question, options_.labelled.scorer, options_.supporter_cost);
+}
 
 Status BestFirstSearch::run(Monitor& monitor, std::int64_t slice) {
     const std::int64_t end = end_of_slice(monitor, slice);
@@ -48,14 +49,14 @@ void BestFirstSearch::evaluate(NodeId node, Monitor& monitor) {
     ++monitor.evaluations;
     nodes_.state(node, state_);
     const double h = options_.admissible ? options_.admissible->evaluate(state_)
-                                         : evaluator_.evaluate(nodes_, node, state_);
+                                         : evaluator_->evaluate(nodes_, node, state_);
     h_.push_back(h);
     expanded_.push_back(false);
 }
 
 Key BestFirstSearch::key(NodeId node) const {
     const double h = h_[node];
-    if (options_.labelled.scorer) return evaluator_.key(nodes_.spent(node), h);
+    if (options_.labelled.scorer) return evaluator_->key(nodes_.spent(node), h);
     const auto cost = static_cast<double>(nodes_.cost(node));
     return {options_.weight_g * cost + options_.weight_h * h, options_.weight_g == 0.0 ? 0.0 : h};
 }
@@ -82,8 +83,8 @@ void BestFirstSearch::expand(NodeId node, Monitor& monitor) {
     ties_.shuffle(applicable_);
     if (options_.preferred != Preferred::none) {
         // Other states have been evaluated since this one was, so its relaxed plan is computed anew.
-        evaluator_.evaluate(nodes_, node, state_);
-        evaluator_.preferred(options_.preferred, applicable_, marked_);
+        evaluator_->evaluate(nodes_, node, state_);
+        evaluator_->preferred(options_.preferred, applicable_, marked_);
         for (const OperatorId step : marked_) is_marked_[step] = 1;
     }
     for (const OperatorId step : applicable_) {

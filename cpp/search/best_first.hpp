@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "search/evaluator.hpp"
@@ -41,7 +42,7 @@ private:
     const Question& question_;
     BestFirstOptions options_;
     NodeStore nodes_;
-    Evaluator evaluator_;
+    std::optional<Evaluator> evaluator_;  // the FF heuristic
     TieBreaker ties_;
     OpenList<NodeId> all_, promising_;
     std::int64_t all_priority_ = 0, promising_priority_ = 0;

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "search/relaxed_task.hpp"
 #include "search/successors.hpp"
@@ -34,6 +36,24 @@ public:
             return relaxed;
         });
     }
+    // For each fact, the operators that need it, and those that add it: these repeated where several of their effects do.
+    const Table<std::int32_t>& needing() const {
+        return needing_.get([this] { return inverse(task_.preconditions, task_.num_facts()); });
+    }
+    const Table<std::int32_t>& achievers() const {
+        return achievers_.get([this] {
+            Table<FactId> adds;
+            std::vector<FactId> added;
+            for (OperatorId id = 0; id < task_.num_operators(); ++id) {
+                added.assign(task_.adds[id].begin(), task_.adds[id].end());
+                for (auto effect = task_.effect_offsets[id]; effect < task_.effect_offsets[id + 1]; ++effect) {
+                    added.insert(added.end(), task_.effect_adds[effect].begin(), task_.effect_adds[effect].end());
+                }
+                adds.push_back(added);
+            }
+            return inverse(adds, task_.num_facts());
+        });
+    }
 
 private:
     template <class T>
@@ -53,6 +73,7 @@ private:
     const Task& task_;
     Once<SuccessorGenerator> successors_;
     Once<RelaxedTask> relaxed_unit_, relaxed_plus_one_;
+    Once<Table<std::int32_t>> needing_, achievers_;
 };
 
 }  // namespace explicable

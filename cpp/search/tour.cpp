@@ -16,18 +16,7 @@ bool contains(std::span<const FactId> facts, FactId fact) {
 }  // namespace
 
 TourHeuristic::TourHeuristic(const Question& question)
-    : question_(question), is_charged_(question.task.num_operators(), 0) {
-    const Task& task = question.task;
-    Table<FactId> adds;
-    std::vector<FactId> added;
-    for (OperatorId id = 0; id < task.num_operators(); ++id) {
-        added.assign(task.adds[id].begin(), task.adds[id].end());
-        for (std::int32_t effect = task.effect_offsets[id]; effect < task.effect_offsets[id + 1]; ++effect) {
-            added.insert(added.end(), task.effect_adds[effect].begin(), task.effect_adds[effect].end());
-        }
-        adds.push_back(added);
-    }
-    achievers_ = inverse(adds, task.num_facts());
+    : question_(question), achievers_(question.prepared.achievers()), is_charged_(question.task.num_operators(), 0) {
     find_possible();
     choose_mover();
     if (mover_ == none) return;
@@ -50,7 +39,7 @@ void TourHeuristic::find_possible() {
         if (const auto value = question_.initial.values[variable]) reach(task.variable_facts[variable][value - 1]);
     }
     // Conditions of effects are left out: that only makes more possible.
-    const auto needing = inverse(task.preconditions, task.num_facts());
+    const auto& needing = question_.prepared.needing();
     possible_.assign(task.num_operators(), 0);
     std::vector<std::int32_t> missing(task.num_operators());
     const auto execute = [&](OperatorId id) {

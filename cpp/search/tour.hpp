@@ -35,8 +35,8 @@ private:
     };
 
     const Question& question_;
+    const Table<std::int32_t>& achievers_;
     std::vector<char> possible_;        // operators whose preconditions can ever hold
-    Table<std::int32_t> achievers_;     // fact -> operators, repeated where several of their effects add it
     std::vector<char> is_charged_;      // operators
     VariableId mover_ = none;
     std::vector<std::int32_t> stops_;   // values of the mover

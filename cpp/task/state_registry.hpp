@@ -29,7 +29,8 @@ public:
         std::size_t slot = find_slot(state);
         if (slots_[slot] != empty) return {slots_[slot], false};
         if ((size_ & block_mask()) == 0 && std::size_t(size_ >> block_bits_) == blocks_.size())
-            blocks_.push_back(std::make_unique<Word[]>((std::size_t{1} << block_bits_) * num_words_));
+            // Not set to 0: most searches on small tasks use little of their first block.
+            blocks_.push_back(std::make_unique_for_overwrite<Word[]>((std::size_t{1} << block_bits_) * num_words_));
         std::copy_n(state, num_words_, const_cast<Word*>((*this)[size_]));
         slots_[slot] = size_++;
         if (std::size_t(size_) * 4 > slots_.size() * 3) grow();

@@ -141,6 +141,11 @@ def search(
     memory_limit_bytes: int | None,
     max_evaluations: int | None,
 ) -> SearchAnswer: ...
+def cheapest_way(
+    task: Task, initial: bytes, goal: Sequence[int], max_evaluations: int, memory_limit_bytes: int
+) -> tuple[list[int], list[bytes]] | None:
+    """Give a way and the states along it; no states where there is no way, None where a limit was reached."""
+
 def eliminate_actions(
     task: Task, initial: bytes | None, goal: Sequence[int], plan: Sequence[int]
 ) -> list[int]:

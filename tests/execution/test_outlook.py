@@ -41,7 +41,9 @@ def test_who_asks_does_not_matter_and_what_everybody_adds_asks_for_nothing():
         assert ("fetch", "robo", "plaster", "store") in by_nurse.fulfilled_by
 
 
-def test_what_is_remembered_is_what_a_fresh_search_finds():
+@pytest.mark.parametrize("most", [100_000, 3])
+def test_what_is_remembered_is_what_a_fresh_search_finds(monkeypatch, most):
+    monkeypatch.setattr("explicable.execution.outlook.MOST_REMEMBERED", most)
     for problem in (hospital(), encode(generate(np.random.default_rng(5), height=4, width=4), "exclusive")):
         outlook = prepare(problem).belief
         task, rng, state = outlook.task, np.random.default_rng(0), outlook.task.initial_state

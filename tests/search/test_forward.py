@@ -11,7 +11,7 @@ from tiny_strategies import tiny_tasks
 from explicable.errors import UsageError
 from explicable.model.grounding import ground
 from explicable.model.problem import ActionSchema, And, Atom, Domain, Effect, Predicate, Problem
-from explicable.search import Outcome, search
+from explicable.search import Outcome, find_way, search
 from oracles.tiny_tasks import INFINITY, optimal_cost
 
 ALGORITHMS = ("default", "ff", "lazy", "eager", "bfws", "astar", "wastar", "anytime")
@@ -52,6 +52,19 @@ def test_astar_and_anytime_find_the_optimum(tiny, heuristic):
         if optimum < INFINITY:
             assert result.is_optimal
             assert result.cost == optimum == result.lower_bound
+
+
+@given(tiny_tasks())
+def test_a_way_is_the_plan_that_the_search_with_a_tour_finds(tiny):
+    task = ground(tiny.problem())
+    plan = search(task, "astar", heuristic="tour", goal=task.goal)
+    way = find_way(task, task.initial_state, task.goal)
+    if plan.operators is None:
+        assert not way.states
+    else:
+        assert tuple(way.operators) == plan.operators
+        assert tuple(way.states) == task.execute(map(task.action, plan.operators)).states
+    assert plan.evaluations < 2 or find_way(task, task.initial_state, task.goal, max_evaluations=1) is None
 
 
 @given(tiny_tasks(), st.frozensets(st.integers(0, 5), max_size=2))

@@ -13,10 +13,11 @@ from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol, TypeVar
+from typing import Protocol
 
 from explicable.execution import Course, PersonFilter, Proposal, Situation, adapt, num_changes
 from explicable.execution.monitor import Event
+from explicable.execution.outlook import remember
 from explicable.execution.plans import Actions
 from explicable.labelling import Labeller
 from explicable.labelling.features import TeamFeatures
@@ -29,10 +30,8 @@ from explicable.search import Outcome, SearchResult, search
 
 _NUM_PREDICTIONS = 4
 """Next requests for which plans are tried."""
-_MAX_REMEMBERED = 10_000
-
-Key = TypeVar("Key")
-Value = TypeVar("Value")
+_MOST_REMEMBERED = 10_000
+"""Plans and their prices, for each kind of game: a game in more situations begins to forget."""
 
 
 class Foresight(Protocol):
@@ -203,7 +202,7 @@ class ExplicablePlanner:
             time_limit_s=self.improve_s if first else None,
         )
         if result.outcome is Outcome.SOLVED:
-            _remember(game.searched, key, result)
+            remember(game.searched, key, result, _MOST_REMEMBERED)
         return result
 
 
@@ -250,13 +249,6 @@ class LearningPlanner:
         return self.planner(situation)
 
 
-def _remember(known: dict[Key, Value], key: Key, value: Value) -> None:
-    """Note what was found out; a game in ten thousand situations begins to forget."""
-    if len(known) >= _MAX_REMEMBERED:
-        known.clear()
-    known[key] = value
-
-
 class _LabelledGame:
     """A game as a labeller sees it: where it stands, and what the scorer keeps of the past.
 
@@ -297,7 +289,7 @@ class _LabelledGame:
         if key not in self._objectives:
             execution = self.task.execute(plan, self.state)
             count, _, _ = self.scorer.score(self._extend(execution), execution.states[-1], [])
-            _remember(self._objectives, key, execution.cost + alpha * count)
+            remember(self._objectives, key, execution.cost + alpha * count, _MOST_REMEMBERED)
         return self._objectives[key]
 
     def actions(self, result: SearchResult) -> Actions:

@@ -27,12 +27,12 @@ from explicable.execution import (
     run,
 )
 from explicable.labelling import Labeller
-from explicable.model.grounding import ground_team
-from explicable.model.task import State
+from explicable.model.grounding import ground
+from explicable.model.task import State, Task
 from explicable.search import Outcome, search
 
 if TYPE_CHECKING:
-    from explicable.model.team import TeamTask
+    from explicable.model.team import TeamProblem
 
 Strategy = Callable[[Setting, SimulatedPerson], Planner]
 """Makes a strategy's planner for one game; only the oracle looks at the person."""
@@ -137,12 +137,13 @@ class ClassicalPlanner:
     """The joint plan of FF, without regard to what the person expects."""
 
     def __init__(self) -> None:
-        self._team: TeamTask | None = None
+        self._problem: TeamProblem | None = None
+        self._task: Task | None = None
 
     def __call__(self, situation: Situation) -> Proposal:
         """Plan from here on."""
-        if self._team is None or situation.problem is not self._team.problem:
-            self._team = ground_team(situation.problem)
-        task = self._team.task
+        if self._task is None or situation.problem is not self._problem:
+            self._problem, self._task = situation.problem, ground(situation.problem.composite)
+        task = self._task
         result = search(task, "ff", initial_state=task.execute(situation.past).states[-1])
         return Proposal(result.outcome, tuple(map(task.action, result.operators or ())))

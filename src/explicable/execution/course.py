@@ -4,7 +4,6 @@
 states: so a game on record can be replayed.
 """
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from explicable.errors import PlanError
@@ -157,7 +156,8 @@ class Course(Position):
         if number is not None and notice.answer is not None:
             given = self.answers.setdefault(number, {})
             given[notice.agent] = notice.answer
-            self.steps[number] = replace(self.steps[number], label=all(given.values()))
+            step = self.steps[number]
+            self.steps[number] = LabelledStep(step.agent, step.action, all(given.values()), step.time)
 
     def _adopt_plan(self, notice: Notice) -> None:
         self.plan, self.is_outdated = notice.plan, False

@@ -232,7 +232,7 @@ class ClosedLoop:
                 who = person.name if len(self._people) > 1 else ""
                 self._inbox.append(Notice(Event.ANSWER_GIVEN, action, answer=answer, agent=who))
             person.watch(action, before, self.course.state)
-            self._moved = self._moved | {number} if ask else self._moved - {number}
+            (self._moved.add if ask else self._moved.discard)(number)
         self._impossible.clear()
         self._has_planned, self._idle_events = False, 0
 

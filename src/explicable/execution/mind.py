@@ -129,12 +129,8 @@ def watch(setting: Setting, mind: Mind, action: GroundAtom, before: State, after
     if asked is not None:
         tried = tried if fulfilled else tried | {action}
         requests = [*(request for request in requests if request != asked), asked]
-    return Mind(
-        believed,
-        tuple([request for request in requests if belief.stands(believed, request)]),
-        tried,
-        mind.inferred,
-    )
+    standing = [request for request in requests if belief.stands(believed, request)]
+    return Mind(believed, tuple(standing), tried, mind.inferred)
 
 
 def give_up(mind: Mind, request: Request) -> Mind:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeVar
 
 from explicable.errors import ResourceError
 from explicable.execution.stage import Stage
@@ -10,12 +10,33 @@ from explicable.model.problem import GroundAtom
 from explicable.model.requests import Request, find_requests
 from explicable.model.task import State
 from explicable.model.team import TeamProblem
-from explicable.search import Outcome, SearchResult, search
+from explicable.search import Outcome, Way, find_way, search
 
 Goal = tuple[int, ...]
 
 _NONE = -1  # no operator: at the goal, or no way there
-_TOUR_EVALUATIONS = 10_000  # a fraction of a second
+MOST_REMEMBERED = 100_000
+"""States about which one thing is remembered: a few ten megabytes."""
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+
+
+def remember(known: dict[Key, Value], key: Key, value: Value, most: int | None = None) -> Value:
+    """Note what was found out, and return it; where too much is known, all else is forgotten.
+
+    ``most``: how much may be known, by default `MOST_REMEMBERED`.
+
+    Examples
+    --------
+    >>> known = {1: "one", 2: "two"}
+    >>> remember(known, 3, "three", most=2), known
+    ('three', {3: 'three'})
+    """
+    if len(known) >= (MOST_REMEMBERED if most is None else most):
+        known.clear()
+    known[key] = value
+    return value
 
 
 class _End(NamedTuple):
@@ -83,20 +104,21 @@ class Outlook:
             operator = self.operator(state, action)
             after = None if operator is None else self.task.successor(state, operator)
             if action in self._operators:
-                self._after[key] = after
+                remember(self._after, key, after)
             return after
 
     def robot_steps(self, state: State) -> tuple[tuple[GroundAtom, int, State], ...]:
         """Return the steps that the robots can take here, what each costs, and the state after it."""
         steps = self._robot_steps.get(state)
         if steps is None:
-            steps = self._robot_steps[state] = tuple(
+            steps = tuple(
                 (action, self.task.cost(operator), self.task.successor(state, operator))
                 for operator in self.task.applicable(state)
                 if (action := self.task.action(operator))
                 and " " not in action[0]  # such are the stage's
                 and self.problem.agent_of(action).kind == "robot"
             )
+            remember(self._robot_steps, state, steps)
         return steps
 
     def follow(self, state: State, actions: Iterable[GroundAtom]) -> State | None:
@@ -142,7 +164,7 @@ class Outlook:
         """
         ranked = self._ranked.get(state)
         if ranked is None:
-            ranked = self._ranked[state] = tuple(sorted(self._asks_nearer(state)))
+            ranked = remember(self._ranked, state, tuple(sorted(self._asks_nearer(state))))
         return ranked
 
     def _asks_nearer(self, state: State) -> Iterator[tuple[float, int]]:
@@ -181,7 +203,7 @@ class Outlook:
         cost, wanted, needs = self._fulfilment(state, request)
         if cost == math.inf:
             return None
-        first = self._known[self.stage.robots_alone(state), needs][1]
+        first = self._known_from(self.stage.robots_alone(state), needs)[1]
         return wanted if first == _NONE else first
 
     def mission_cost(self, state: State) -> float:
@@ -201,7 +223,7 @@ class Outlook:
             alone = self.stage.robots_alone(state)
             ends = self._ends.get(request.action, ())  # another model's request may be beyond this one
             ways = ((self._cost(alone, end.needs) + end.cost, end.operator, end.needs) for end in ends)
-            found = self._fulfilments[key] = min(ways, default=(math.inf, _NONE, ()))
+            found = remember(self._fulfilments, key, min(ways, default=(math.inf, _NONE, ())))
         return found
 
     def _ends_of(self, request: Request) -> tuple["_End", ...]:
@@ -213,49 +235,47 @@ class Outlook:
         )
 
     def _cost(self, state: State, goal: Goal) -> float:
-        if (state, goal) not in self._known:
-            self._explore(state, goal)
-        return self._known[state, goal][0]
+        return self._known_from(state, goal)[0]
 
     def _way(self, state: State, goal: Goal) -> tuple[int, ...]:
         way = []
-        while (operator := self._known[state, goal][1]) != _NONE:
+        while (operator := self._known_from(state, goal)[1]) != _NONE:
             way.append(operator)
             state = self.task.successor(state, operator)
         return tuple(way)
 
-    def _explore(self, state: State, goal: Goal) -> None:
-        result = self._search(state, goal)
+    def _known_from(self, state: State, goal: Goal) -> tuple[float, int]:
+        """Return the cost-to-go and the operator to begin with."""
+        known = self._known.get((state, goal))
+        return self._explore(state, goal) if known is None else known
+
+    def _explore(self, state: State, goal: Goal) -> tuple[float, int]:
+        if len(self._known) >= MOST_REMEMBERED:
+            self._known.clear()
+        task = self.task
+        operators, states = find_way(task, state, goal) or self._search(state, goal)
+        if not states:
+            return self._known.setdefault((state, goal), (math.inf, _NONE))
+        # From the goal back, and what is known stays: so whatever is known leads to the goal, at any moment
+        # in which another thread may look.
+        remaining, cost = 0, task.core.cost
+        known = self._known.setdefault((states[-1], goal), (remaining, _NONE))
+        for operator, before in zip(reversed(operators), reversed(states[:-1]), strict=True):
+            remaining += cost(operator)
+            known = self._known.setdefault((before, goal), (remaining, operator))
+        return known
+
+    def _search(self, state: State, goal: Goal) -> Way:
+        # A request mostly needs one thing, for which h_max is as good as LM-cut and much cheaper.
+        heuristic: Literal["lmcut", "hmax"] = "lmcut" if goal == self.task.goal else "hmax"
+        result = search(self.task, "astar", initial_state=state, goal=goal, heuristic=heuristic)
         if result.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         if result.outcome is Outcome.LIMIT:
             raise ResourceError(f"not enough memory for the exact cost-to-go in {self.task.problem.name}")
-        if result.operators is None or result.cost is None:
-            self._known[state, goal] = (math.inf, _NONE)
-            return
+        if result.operators is None:
+            return Way((), ())
         states = [state]
         for operator in result.operators:
             states.append(self.task.successor(states[-1], operator))
-        # From the goal back, and what is known stays: so whatever is known leads to the goal, at any moment
-        # in which another thread may look.
-        remaining = 0
-        self._known.setdefault((states.pop(), goal), (remaining, _NONE))
-        for operator in reversed(result.operators):
-            remaining += self.task.cost(operator)
-            self._known.setdefault((states.pop(), goal), (remaining, operator))
-
-    def _search(self, state: State, goal: Goal) -> SearchResult:
-        # Most goals lie in one place or in several: a shortest tour of these says almost all there is to say.
-        result = search(
-            self.task,
-            "astar",
-            initial_state=state,
-            goal=goal,
-            heuristic="tour",
-            max_evaluations=_TOUR_EVALUATIONS,
-        )
-        if result.limit != "evaluations":
-            return result
-        # A request mostly needs one thing, for which h_max is as good as LM-cut and much cheaper.
-        heuristic: Literal["lmcut", "hmax"] = "lmcut" if goal == self.task.goal else "hmax"
-        return search(self.task, "astar", initial_state=state, goal=goal, heuristic=heuristic)
+        return Way(result.operators, states)

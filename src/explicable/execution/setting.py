@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from explicable.execution.outlook import Outlook
 from explicable.execution.stage import build_stage, differences, sayable
-from explicable.model.grounding import ground
+from explicable.model.grounding import ground, usual_memory_limit_bytes
 from explicable.model.problem import GroundAtom, Problem
 from explicable.model.task import Task
 from explicable.model.team import TeamProblem
@@ -56,10 +56,14 @@ def prepare(problem: TeamProblem, observable: Iterable[GroundAtom] = ()) -> Sett
     observable = tuple(observable)
     composite, mental = problem.composite, problem.mental
     same_schemas = set(composite.domain.actions) == set(mental.domain.actions)
-    truth = Outlook(problem, build_stage(composite, dict.fromkeys((*differing, *observable))))
+    limit = usual_memory_limit_bytes()
+
+    def look_at(model: Problem, flippable: Iterable[GroundAtom]) -> Outlook:
+        return Outlook(problem, build_stage(model, dict.fromkeys(flippable), memory_limit_bytes=limit))
+
+    truth = look_at(composite, (*differing, *observable))
     surprising = () if same_schemas else _surprising(truth.task, mental)
-    learnable = (*differing, *surprising, *sayable(mental, observable))
-    belief = Outlook(problem, build_stage(mental, dict.fromkeys(learnable)))
+    belief = look_at(mental, (*differing, *surprising, *sayable(mental, observable)))
     return Setting(problem, truth, belief, differing, same_schemas)
 
 

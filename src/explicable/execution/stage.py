@@ -87,7 +87,9 @@ def sayable(problem: Problem, atoms: Iterable[GroundAtom]) -> list[GroundAtom]:
     return [atom for atom in atoms if atom[0] in predicates and objects.issuperset(atom[1:])]
 
 
-def build_stage(problem: Problem, flippable: Iterable[GroundAtom] = ()) -> Stage:
+def build_stage(
+    problem: Problem, flippable: Iterable[GroundAtom] = (), *, memory_limit_bytes: int | None = None
+) -> Stage:
     """Ground a problem with the two switches.
 
     Parameters
@@ -96,9 +98,11 @@ def build_stage(problem: Problem, flippable: Iterable[GroundAtom] = ()) -> Stage
         Any problem; the schemas of humans are told by their first parameter.
     flippable
         Atoms whose truth value can be edited in states.
+    memory_limit_bytes
+        As of `explicable.model.grounding.ground`.
     """
     flippable = tuple(flippable)
-    task = ground(_switched(problem, flippable))
+    task = ground(_switched(problem, flippable), memory_limit_bytes=memory_limit_bytes)
 
     def switch(name: str) -> int:
         (operator,) = task.operators_of((name,))

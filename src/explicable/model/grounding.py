@@ -44,7 +44,7 @@ def ground(problem: Problem, *, memory_limit_bytes: int | None = None) -> Task:
     [('light',)]
     """
     encoded = encode(problem)
-    limit = available_memory_bytes() * 4 // 5 if memory_limit_bytes is None else memory_limit_bytes
+    limit = usual_memory_limit_bytes() if memory_limit_bytes is None else memory_limit_bytes
     try:
         core = _core.ground(
             encoded.structure,
@@ -62,6 +62,17 @@ def ground(problem: Problem, *, memory_limit_bytes: int | None = None) -> Task:
     return Task(problem, core, encoded.objects, tuple(core.goal), core.goal_reachable)
 
 
+def usual_memory_limit_bytes() -> int:
+    """Return what a grounder may allocate by default, in bytes: four fifths of what is free.
+
+    Examples
+    --------
+    >>> usual_memory_limit_bytes() > 0
+    True
+    """
+    return available_memory_bytes() * 4 // 5
+
+
 def ground_team(problem: TeamProblem, *, memory_limit_bytes: int | None = None) -> TeamTask:
     """Ground a team problem: the composite task, and the mental task where it is another one.
 
@@ -74,6 +85,8 @@ def ground_team(problem: TeamProblem, *, memory_limit_bytes: int | None = None) 
     ResourceError
         As `ground`.
     """
+    if memory_limit_bytes is None:
+        memory_limit_bytes = usual_memory_limit_bytes()
     task = ground(problem.composite, memory_limit_bytes=memory_limit_bytes)
     if problem.human is None:
         return TeamTask(problem, task, task)

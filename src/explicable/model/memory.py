@@ -5,6 +5,7 @@ import gc
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
+from io import FileIO
 from pathlib import Path
 
 
@@ -18,18 +19,19 @@ def available_memory_bytes(root: Path = Path("/")) -> int:
     >>> available_memory_bytes() > 0
     True
     """
-    left = [sys.maxsize, *_left_on_machine(root)]
-    for folder, limit, usage, cache in _control_groups(root):
-        allowed, used = _number(folder / limit), _number(folder / usage)
-        if allowed is not None and used is not None:
+    left = _entry(f"{root}/proc/meminfo", "MemAvailable:") * 1024 or sys.maxsize
+    for folder, limit, usage, cache in _control_groups(str(root)):
+        allowed = _number(f"{folder}/{limit}")
+        used = None if allowed is None else _number(f"{folder}/{usage}")
+        if allowed is not None and used is not None and allowed - used < left:
             # Cached files count as used, but make room where it is needed.
-            left.append(max(1, allowed - used + _entry(folder / "memory.stat", cache)))
-    return min(left)
+            left = min(left, max(1, allowed - used + _entry(f"{folder}/memory.stat", cache)))
+    return left
 
 
 def resident_memory_bytes() -> int:
     """Return what this process holds; 0 where that can't be told."""
-    return _entry(Path("/proc/self/status"), "VmRSS:") * 1024
+    return _entry("/proc/self/status", "VmRSS:") * 1024
 
 
 def peak_memory_bytes() -> int:
@@ -43,7 +45,7 @@ def peak_memory_bytes() -> int:
     import resource
 
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
-    return _entry(Path("/proc/self/status"), "VmHWM:") * 1024 or peak
+    return _entry("/proc/self/status", "VmHWM:") * 1024 or peak
 
 
 def forget_peak_memory() -> None:
@@ -62,45 +64,41 @@ def return_free_memory() -> None:
         ctypes.CDLL(None).malloc_trim(0)
 
 
-def _left_on_machine(root: Path) -> list[int]:
-    kibibytes = _entry(root / "proc/meminfo", "MemAvailable:")
-    return [kibibytes * 1024] if kibibytes else []
-
-
-def _control_groups(root: Path) -> Iterator[tuple[Path, str, str, str]]:
+def _control_groups(root: str) -> Iterator[tuple[str, str, str, str]]:
     """Folders of this process's control groups, innermost first, with the names of what they hold."""
     second = ("memory.max", "memory.current", "inactive_file")
     first = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
-    for line in _lines(root / "proc/self/cgroup"):
+    for line in _lines(f"{root}/proc/self/cgroup"):
         _, controllers, path = line.split(":", 2)
         if controllers == "":
-            mount, names = root / "sys/fs/cgroup", second
+            mount, names = f"{root}/sys/fs/cgroup", second
         elif "memory" in controllers.split(","):
-            mount, names = root / "sys/fs/cgroup/memory", first
+            mount, names = f"{root}/sys/fs/cgroup/memory", first
         else:
             continue
-        group = mount / path.strip().lstrip("/")
-        while group.is_relative_to(mount):
-            yield group, *names
-            group = group.parent
+        parts = path.strip("/ ").split("/") if path.strip("/ ") else []
+        for number in range(len(parts), -1, -1):
+            yield "/".join((mount, *parts[:number])), *names
 
 
-def _lines(path: Path) -> list[str]:
+def _lines(path: str) -> list[str]:
     try:
-        return path.read_text(encoding="utf-8", errors="replace").splitlines()
+        with FileIO(path) as file:  # without buffers: searches and groundings ask before they begin
+            return file.readall().decode(errors="replace").splitlines()
     except OSError:
         return []  # another operating system, or no such group
 
 
-def _number(path: Path) -> int | None:
+def _number(path: str) -> int | None:
     lines = _lines(path)
     return int(lines[0]) if lines and lines[0].isdecimal() else None  # "max": no limit
 
 
-def _entry(path: Path, name: str) -> int:
+def _entry(path: str, name: str) -> int:
     """Return the number in the line ``name number ...``; 0 if there is none."""
     for line in _lines(path):
-        words = line.split()
-        if len(words) > 1 and words[0] == name:
-            return int(words[1])
+        if line.startswith(name):
+            words = line.split()
+            if len(words) > 1 and words[0] == name:
+                return int(words[1])
     return 0

@@ -79,13 +79,14 @@ class Task:
 
     def action(self, operator: int) -> GroundAtom:
         """Return ``(schema, object, ...)`` of an operator; the empty tuple if it is auxiliary."""
-        schema = self.core.operator_schema(operator)
-        if schema == _core.AUXILIARY:
-            return ()
-        return (
-            self.problem.domain.actions[schema].name,
-            *[self.objects[argument] for argument in self.core.operator_arguments(operator)],
-        )
+        action = self._actions.get(operator)
+        if action is None:
+            schema = self.core.operator_schema(operator)
+            if schema == _core.AUXILIARY:
+                return ()
+            names = [self.objects[argument] for argument in self.core.operator_arguments(operator)]
+            action = self._actions[operator] = (self.problem.domain.actions[schema].name, *names)
+        return action
 
     def fact(self, fact: int) -> GroundAtom:
         """Return ``(predicate, object, ...)`` of a fact; ``("not", predicate, ...)`` of a complement."""
@@ -139,9 +140,10 @@ class Task:
             return False
         if self.core.holds(state, self.goal):
             return True
-        return any(
+        ends = self._auxiliary_operators
+        return bool(ends) and any(
             self.core.is_applicable(state, operator) and self.goal == tuple(self.core.adds(operator))
-            for operator in self._auxiliary_operators
+            for operator in ends
         )
 
     def atoms(self, state: State) -> frozenset[GroundAtom]:
@@ -224,6 +226,11 @@ class Task:
         if failing is None:
             return "is not possible in this task"
         return f"lacks {format_formula(failing, binding)}"
+
+    @cached_property
+    def _actions(self) -> dict[int, GroundAtom]:
+        """Those that were asked for, by operator."""
+        return {}
 
     def _numbers(self, names: Sequence[str]) -> list[int] | None:
         numbers = self._object_numbers

@@ -182,7 +182,7 @@ def search(
     return SearchResult(
         outcome=Outcome.INTERRUPTED if interrupt.is_pending() else Outcome(answer.outcome),
         # What stands for a disjunctive goal is no step of the plan.
-        operators=None if plan is None else tuple(operator for operator in plan if task.action(operator)),
+        operators=None if plan is None else tuple(filter(task.action, plan)),
         cost=None if plan is None else answer.cost,
         objective=None if plan is None else answer.objective,
         lower_bound=answer.lower_bound,
@@ -204,9 +204,11 @@ def _goal_facts(task: Task, goal: Iterable[int | GroundAtom] | None) -> tuple[li
     if goal is None:
         return list(task.goal), task.goal_reachable
     parts = list(goal)
-    facts = [part for part in parts if isinstance(part, int)]
+    facts = {part for part in parts if isinstance(part, int)}
+    if len(facts) == len(parts):
+        return sorted(facts), True
     other = task.with_goal(part for part in parts if not isinstance(part, int))
-    return sorted({*facts, *other.goal}), other.goal_reachable
+    return sorted(facts.union(other.goal)), other.goal_reachable
 
 
 def _whole(task: Task, plan: Sequence[int], initial_state: State | None, goal: Sequence[int]) -> list[int]:
