@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from explicable.cli import run
-from explicable.labelling import check_traces, read_traces
+from explicable.labelling import check_traces, read_traces, write_traces
 
 STUDY = """
 title = "A study"
@@ -109,6 +109,8 @@ def test_the_traces_are_those_of_the_tables(played):
     path = played / "data" / "traces" / "traces-simulated.jsonl"
     traces = read_traces(path)
     assert check_traces(traces, path) == []
+    write_traces(played / "again.jsonl", traces)
+    assert path.read_bytes() == (played / "again.jsonl").read_bytes()
     steps = read_lines(played / "data" / "jsonl" / "labelled-steps.jsonl")
     labels = [step["explicable"] for step in steps if step["kind"] == "play"]
     assert [step.label for trace in traces for step in trace.steps] == labels

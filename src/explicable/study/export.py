@@ -1,6 +1,6 @@
 """From the database to a data set: CSV, JSON Lines and Parquet in the layout of Psych-DS, and traces.
 
-Tables are streamed, so that their size does not matter; the folder appears whole or not at all.
+Tables and traces are streamed, so that their size does not matter; the folder appears whole or not at all.
 """
 
 import csv
@@ -21,7 +21,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from explicable.errors import UsageError
-from explicable.labelling import LabelledStep, Trace, write_traces
+from explicable.labelling import LabelledStep, Trace, problem_texts
+from explicable.labelling.records import format_record
 from explicable.model.plan import parse_action
 from explicable.study.codebook import COLUMNS, TABLES, format_codebook
 from explicable.study.materials import Materials
@@ -35,6 +36,7 @@ _IGNORED = "".join(
     f"{name}\n" for name in ("jsonl/**", "parquet/**", "traces/**", "checksums.json", "study.toml")
 )
 """What is there besides the data set, for the validator of Psych-DS."""
+_TRACE_FILES = {"person": "traces.jsonl", "simulated": "traces-simulated.jsonl"}
 _TYPES = {
     "string": pa.string(),
     "integer": pa.int64(),
@@ -193,16 +195,18 @@ def read_played(tx: Transaction, materials: Materials) -> Iterator[Trace]:
 
 
 def _write_traces(tx: Transaction, materials: Materials, folder: Path) -> int:
-    """Write traces of people and of simulated participants to files of their own."""
+    """Write traces of people and of simulated participants to files of their own, one after another."""
     num = 0
-    traces: dict[str, list[Trace]] = {"person": [], "simulated": []}
-    for trace in read_played(tx, materials):
-        traces[trace.origin].append(trace)
-        num += 1
-    for origin, found in traces.items():
-        if found:
-            name = "traces.jsonl" if origin == "person" else "traces-simulated.jsonl"
-            write_traces(folder / "traces" / name, found)
+    texts: dict[int, dict[str, str]] = {}  # by problem, which the study keeps
+    files: dict[str, IO[str]] = {}
+    with ExitStack() as stack:
+        for num, trace in enumerate(read_played(tx, materials), start=1):
+            if trace.origin not in files:
+                path = folder / "traces" / _TRACE_FILES[trace.origin]
+                files[trace.origin] = stack.enter_context(_opened(path))
+            if id(trace.problem) not in texts:
+                texts[id(trace.problem)] = problem_texts(trace.problem)
+            files[trace.origin].write(f"{format_record(trace, texts[id(trace.problem)])}\n")
     return num
 
 
