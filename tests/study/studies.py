@@ -10,7 +10,7 @@ from explicable.study.app import create_app
 from explicable.study.folder import open_database
 from explicable.study.materials import read_materials
 from explicable.study.simulation import shown
-from explicable.study.store import sqlite_url
+from explicable.study.store import Store, sqlite_url
 
 CORRIDOR = "@.*.\n....\n.x.*\n"
 
@@ -58,6 +58,15 @@ def open_study(folder, **options):
     url = options.pop("url", None) or sqlite_url(Path(folder))
     opened = open_database(url, read_materials(folder).hash)
     return TestClient(create_app(Path(folder), url, **options), base_url="http://study"), url, opened
+
+
+def rows(folder, table):
+    """Read a whole table of a study's database."""
+    store = Store(sqlite_url(folder))
+    try:
+        return store.read(lambda tx: tx.all(table))
+    finally:
+        store.close()
 
 
 class Visitor:

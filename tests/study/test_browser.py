@@ -1,17 +1,26 @@
 """People at a real browser: by mouse, by keyboard alone, with reloads; and axe on every page."""
 
-import json
 import time
 
 import pytest
-from browser import PATIENCE_MS, chromium, examine
+from browser import (
+    PATIENCE_MS,
+    begin,
+    by_keyboard,
+    by_mouse,
+    examine,
+    follow,
+    play,
+    press_and_follow,
+    until,
+    view_of,
+)
 from servers import StudyServer
-from studies import write_study
+from studies import rows, write_study
 
 from explicable.first_response import read_map
 from explicable.study import schema as tables
 from explicable.study.serving import Server
-from explicable.study.store import Store, sqlite_url
 
 REPLAY = """
 [[task]]
@@ -36,12 +45,6 @@ PLAN = """(command person c-0-2)
 """
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as running:
-        yield running
-
-
 @pytest.fixture
 def served(tmp_path):
     folder = write_study(tmp_path / "study", tasks=PLAYED + REPLAY, extra='language = "en"')
@@ -62,88 +65,6 @@ def page(browser, served):  # noqa: ARG001 (the browser leaves before the server
     yield page
     context.close()
     assert [problem for problem in problems if "409" not in problem] == []
-
-
-def until(page, condition):
-    """Wait for a condition; Playwright's own way needs what the pages' security policy forbids."""
-    ends_at = time.monotonic() + PATIENCE_MS / 1000
-    while not page.evaluate(f"typeof isFinished !== 'undefined' && ({condition})"):
-        assert time.monotonic() < ends_at, f"{page.url}: {condition}; {page.evaluate('JSON.stringify(view)')}"
-        page.wait_for_timeout(10)
-
-
-def follow(page, selector):
-    """Click on what leads to another page, and wait until that is there."""
-    with page.expect_navigation():
-        page.click(selector)
-
-
-def press_and_follow(page, key):
-    """The same by keyboard."""
-    with page.expect_navigation():
-        page.keyboard.press(key)
-
-
-def view_of(page):
-    return json.loads(page.evaluate("JSON.stringify(view)"))
-
-
-def wait_for_turn(page):
-    """Wait until the person is asked, may command, has to start, or the task is over."""
-    until(page, "isFinished || (!pending && (['question', 'waiting'].includes(view.phase) || mustStart()))")
-
-
-def play(page, answer, command):
-    """Play the task that is shown."""
-    while True:
-        wait_for_turn(page)
-        if page.evaluate("isFinished"):
-            return
-        if page.evaluate("mustStart()"):
-            command("start")
-        elif view_of(page)["phase"] == "question":
-            number = view_of(page)["number"]
-            answer()
-            until(page, f"isFinished || view.phase !== 'question' || view.number !== {number}")
-        else:
-            command("room")
-            until(page, "isFinished || view.phase !== 'waiting'")
-
-
-def by_mouse(page):
-    def command(what):
-        if what == "start":
-            page.click("#start")
-        else:
-            page.click("[data-room].possible")
-
-    return lambda: page.click("#yes"), command
-
-
-def by_keyboard(page):
-    def command(what):
-        if what == "start":
-            page.focus("#start")
-            page.keyboard.press("Enter")
-        else:
-            possible = [number for number, c in enumerate(view_of(page)["commands"], 1) if c["is_possible"]]
-            page.keyboard.press(str(possible[0]))
-
-    return lambda: page.keyboard.press("n"), command
-
-
-def begin(page, link):
-    page.goto(link)
-    follow(page, "button[value=yes]")
-    follow(page, "main button")
-
-
-def rows(folder, table):
-    store = Store(sqlite_url(folder))
-    try:
-        return store.read(lambda tx: tx.all(table))
-    finally:
-        store.close()
 
 
 def test_a_session_by_mouse_with_a_change_of_mind_and_reloads(page, served):

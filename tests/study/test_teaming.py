@@ -3,10 +3,8 @@
 import json
 import threading
 
-import pytest
 from studies import Visitor, open_study, write_study
 
-from explicable.cli import run
 from explicable.execution import Proposal, prepare
 from explicable.first_response import World, encode
 from explicable.search import Outcome
@@ -69,17 +67,6 @@ def test_without_a_plan_the_robot_follows_orders():
     game = Game(SETTING, "after", teaming.choose)
     assert game.upcoming(Moment()) is None
     assert game.upcoming(game.command(Moment(), FIRST))[0] == "move"
-
-
-@pytest.fixture
-def labeller(tmp_path):
-    maps, traces, path = tmp_path / "maps", tmp_path / "traces.jsonl", tmp_path / "labeller.json"
-    assert run(["first-response", "generate", "--num", "2", "-o", str(maps)]) == 0
-    files = [str(file) for file in sorted(maps.glob("*.map"))]
-    options = ["--num", "4", "--semantics", "exclusive", "-o", str(traces)]
-    assert run(["first-response", "simulate", *files, *options]) == 0
-    assert run(["train", str(traces), "-o", str(path), "--bootstrap", "0"]) == 0
-    return path
 
 
 def test_another_worker_plans_before_it_writes(tmp_path, labeller, monkeypatch):

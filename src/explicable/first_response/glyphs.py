@@ -114,10 +114,10 @@ def _hatch(x: int, y: int) -> str:
 
 
 def robot_head(name: str = "robot") -> str:
-    """Draw a robot with its head around the origin."""
+    """Draw a robot with its head around the origin; an empty name is not told."""
+    title = f"<title>{clean(name)}</title>" if name else ""
     return (
-        f"<title>{clean(name)}</title>"
-        f'<path d="M0 -9v-5" stroke="{INK}" stroke-width="2"/><circle cy="-15" r="2.5" fill="{INK}"/>'
+        title + f'<path d="M0 -9v-5" stroke="{INK}" stroke-width="2"/><circle cy="-15" r="2.5" fill="{INK}"/>'
         f'<rect x="-13" y="-9" width="26" height="20" rx="5" fill="{INK}" stroke="{PAPER}" stroke-width="2"/>'
         f'<circle cx="-5" cy="0" r="3" fill="{PAPER}"/><circle cx="5" cy="0" r="3" fill="{PAPER}"/>'
         f'<path d="M-4 6h8" stroke="{PAPER}" stroke-width="1.6"/>'

@@ -137,7 +137,7 @@ def scene_key() -> tuple[tuple[str, str], ...]:
     frame = glyphs.path(glyphs.boxes(cell, 0.5), stroke=glyphs.GRID_INK, stroke_width=1)
     room = glyphs.path(glyphs.boxes(cell), fill=glyphs.ROOM_FILL)
     signs = (
-        (frame + glyphs.placed(glyphs.robot_head(), *middle), "robot"),
+        (frame + glyphs.placed(glyphs.robot_head(""), *middle), "robot"),
         (room + glyphs.placed(glyphs.room_badge("A"), *middle), "room to visit"),
         (glyphs.command_cells(cell) + glyphs.placed(glyphs.room_badge("A"), *middle), "room commanded"),
         (room + glyphs.placed(_visited_badge("A"), *middle), "room visited"),
