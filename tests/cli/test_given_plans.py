@@ -103,9 +103,18 @@ def test_traces_in_which_nobody_acts_are_named(place, tmp_path):
     problem = encode(parse_map(DETOUR))
     silent = Trace(problem, (LabelledStep("r1", LONG[1]),), "anna", "person")
     write_traces(tmp_path / "silent.jsonl", [silent])
-    done = explicable(place, "measure", *TEAM, "long.plan", "--people", str(tmp_path / "silent.jsonl"))
-    assert done.returncode == 3
-    assert done.stderr.startswith(f"explicable: {tmp_path / 'silent.jsonl'}: no trace has a human step")
+    (tmp_path / "empty.jsonl").touch()
+    wrong = {"silent": "no trace has a human step", "empty": "there is no trace in it"}
+    commands = (
+        ["measure", *TEAM, "long.plan"],
+        ["plan", *TEAM, "--labeller", "labeller.json", "--charge-human-steps", "1"],
+    )
+    for name, message in wrong.items():
+        file = tmp_path / f"{name}.jsonl"
+        for arguments in commands:
+            done = explicable(place, *arguments, "--people", str(file))
+            assert done.returncode == 3
+            assert done.stderr.startswith(f"explicable: {file}: {message}")
 
 
 def test_what_a_plan_tells_is_left_out_with_a_warning(place):
@@ -261,12 +270,12 @@ def test_budgets_and_prices_without_meaning_are_refused(place):
 def on_the_floor(name, labeller, *human):
     """The command line of a command that takes a labeller, and a plan if it needs one."""
     plans = [] if name in {"front", "tell", "plan"} else ["long.plan"]
-    if name in {"measure", "plan"}:
+    if name in {"measure", "plan", "schedule"}:
         return [name, *TEAM, *plans, "--labeller", labeller, *human]
     return [name, labeller, *TEAM, *plans, *human]
 
 
-@pytest.mark.parametrize("name", ["label", "measure", "rank", "explain", "front", "tell", "plan"])
+@pytest.mark.parametrize("name", ["label", "measure", "rank", "explain", "front", "tell", "plan", "schedule"])
 def test_a_labeller_of_another_domain_is_refused_and_a_partly_known_one_warned_of(place, tmp_path, name):
     for schemas, code in ((["fly", "land"], 3), (["move", "fly"], 0)):
         labeller = judge_of_progress()
@@ -282,17 +291,26 @@ def test_a_labeller_of_another_domain_is_refused_and_a_partly_known_one_warned_o
             assert f"explicable: warning: {file}: {warned}" in done.stderr
 
 
-@pytest.mark.parametrize("name", ["label", "measure", "rank", "explain", "front", "tell", "plan"])
+NEED_NO_LABELLER = {"team": [], "simulate": ["-o", "played.jsonl"]}
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["label", "measure", "rank", "explain", "front", "tell", "plan", "schedule", *NEED_NO_LABELLER],
+)
 def test_a_human_model_without_a_way_to_the_goal_is_said_everywhere(place, tmp_path, name):
     believed = (place / "human-problem.pddl").read_text()
     (tmp_path / "h.pddl").write_text(re.sub(r"\(clear [^)]*\)", "", believed))
     human = ["--human-domain", "human-domain.pddl", "--human-problem", str(tmp_path / "h.pddl")]
-    arguments = on_the_floor(name, "labeller.json", *human)
+    if name in NEED_NO_LABELLER:
+        arguments = [name, *TEAM, *human, *NEED_NO_LABELLER[name]]
+    else:
+        arguments = on_the_floor(name, "labeller.json", *human)
     warned = explicable(place, *arguments)
     assert warned.returncode == 0, warned.stderr
     assert warned.stderr.startswith("explicable: warning: in the human model the goal can't be reached")
     ignored = explicable(place, *arguments, "--ignore-human")
-    assert (ignored.returncode, ignored.stderr) == (0, "")
+    assert (ignored.returncode, "warning" in ignored.stderr) == (0, False)
 
 
 @pytest.mark.parametrize("name", ["label", "measure", "rank", "explain"])

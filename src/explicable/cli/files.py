@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from explicable.errors import InputError, LabellerError, PlanError, TraceError
+from explicable.errors import InputError, LabellerError, PlanError, TraceError, UsageError
 from explicable.model.plan import find_step, read_plan
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
@@ -19,7 +19,7 @@ from explicable.model.team import TeamProblem
 if TYPE_CHECKING:
     from explicable.labelling import Labeller, Trace
     from explicable.model.team import TeamTask
-    from explicable.planning import Telling
+    from explicable.planning import HumanModel, Telling
 
 INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 _ADDRESSABLE = 1 << 62  # bytes: more is no limit at all
@@ -249,6 +249,16 @@ def read_labelled_traces(*files: Path) -> "list[Trace]":
     if not any(step.label is not None for trace in traces for step in trace.steps):
         raise TraceError("no step has a label: there is nothing to learn from", path=files[0])
     return traces
+
+
+def read_human_model(file: Path) -> "HumanModel":
+    """Learn from the traces of a file what people do; one in which nobody does anything is refused."""
+    from explicable.planning import HumanModel
+
+    try:
+        return HumanModel.learn(read_trace_files(file))
+    except UsageError as error:
+        raise TraceError(str(error), path=file) from error
 
 
 def warn(warning: object) -> None:

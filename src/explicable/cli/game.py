@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from explicable.cli import EXIT_BAD_INPUT
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange, naming
+from explicable.cli.files import (
+    INPUT_FILE,
+    OUTPUT_FILE,
+    FiniteRange,
+    load_labeller,
+    naming,
+    read_human_model,
+)
 from explicable.cli.first_response import map_argument, semantics_option
 from explicable.cli.progress import working
 from explicable.errors import PlanError
@@ -138,12 +145,11 @@ def _planner(
 ) -> "Planner":
     from explicable.evaluation.replanning import ExplicablePlanner, Prices
     from explicable.evaluation.strategies import ClassicalPlanner, NearestPlanner, follow
-    from explicable.labelling import Labeller, read_traces
-    from explicable.planning import HumanModel
 
     if labeller is not None:
-        human_model = HumanModel.learn(read_traces(people)) if people else None
-        return ExplicablePlanner(Labeller.load(labeller), Prices(alpha=alpha), human_model=human_model)
+        human_model = read_human_model(people) if people else None
+        knows = load_labeller(labeller, setting.problem)
+        return ExplicablePlanner(knows, Prices(alpha=alpha), human_model=human_model)
     if people is not None:
         raise click.UsageError("--people needs --labeller: other strategies foresee nothing")
     planners: dict[str, Callable[[], Planner]] = {

@@ -16,16 +16,16 @@ from explicable.cli.files import (
     find_line,
     load_labeller,
     naming_plan,
+    read_human_model,
     read_steps,
     team_problem_arguments,
 )
 from explicable.cli.progress import working
-from explicable.errors import TraceError, UsageError
 from explicable.model.plan import format_action, parse_plan
 
 if TYPE_CHECKING:
     from explicable.model.team import TeamProblem
-    from explicable.planning import HumanModel, Measures, RankedPlan
+    from explicable.planning import Measures, RankedPlan
 
 plan_argument = click.argument("plan_file", metavar="PLAN", type=INPUT_FILE)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
@@ -102,7 +102,7 @@ def measure(
             read_steps(plan_file, team_task.problem),
             labeller,
             expected_plans,
-            human_model=_read_human_model(people_file),
+            human_model=read_human_model(people_file) if people_file else None,
             alternative_goals=[parse_plan(text.replace(")", ")\n"), "--other-goal") for text in other_goals],
             temperature=temperature,
             time_limit_s=time_limit,
@@ -116,18 +116,6 @@ def measure(
     width = max(map(len, shown))
     for name, value in shown.items():
         click.echo(f"{name:{width}}  {f'{value:.3f}' if isinstance(value, float) else value}")
-
-
-def _read_human_model(path: Path | None) -> "HumanModel | None":
-    from explicable.labelling import read_traces
-    from explicable.planning import HumanModel
-
-    if path is None:
-        return None
-    try:
-        return HumanModel.learn(read_traces(path))
-    except UsageError as error:
-        raise TraceError(str(error), path=path) from error
 
 
 def describe_measures(measures: "Measures") -> dict[str, Any]:
@@ -183,7 +171,7 @@ def rank(
     team_task = paths.ground()
     labeller = load_labeller(labeller_file, team_task.problem)
     plans = [read_steps(path, team_task.problem) for path in plan_files]
-    human_model = _read_human_model(people_file)
+    human_model = read_human_model(people_file) if people_file else None
     ranked = rank_plans(team_task, labeller, plans, alpha, human_model=human_model)
     records = [
         {

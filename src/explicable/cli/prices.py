@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from explicable.cli.files import INPUT_FILE, FiniteRange
+from explicable.cli.files import INPUT_FILE, FiniteRange, read_human_model
 from explicable.cli.progress import is_watched
 
 if TYPE_CHECKING:
@@ -25,12 +25,7 @@ class HumanSteps:
 
     def model(self) -> "HumanModel | None":
         """Learn what people do from their traces; None if nothing is charged."""
-        if self.people_file is None:
-            return None
-        from explicable.labelling import read_traces
-        from explicable.planning import HumanModel
-
-        return HumanModel.learn(read_traces(self.people_file))
+        return None if self.people_file is None else read_human_model(self.people_file)
 
 
 def human_step_options(command: Callable[..., Any]) -> Callable[..., Any]:

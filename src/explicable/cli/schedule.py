@@ -12,6 +12,7 @@ from explicable.cli.files import (
     OUTPUT_FILE,
     FiniteRange,
     TeamProblemPaths,
+    load_labeller,
     naming_plan,
     read_told_steps,
     team_problem_arguments,
@@ -74,18 +75,13 @@ def schedule(
     """
     from explicable.model.durations import Durations, read_durations
     from explicable.model.files import write_whole
-    from explicable.model.grounding import ground_team
     from explicable.model.schedule import format_schedule
     from explicable.planning import check_alpha, plan_schedule, schedule_plan
 
     check_alpha(alpha)
-    labeller = None
-    if labeller_file is not None:
-        from explicable.labelling import Labeller
-
-        labeller = Labeller.load(labeller_file)
     durations = read_durations(durations_file) if durations_file else Durations()
-    team_task = ground_team(paths.read())
+    team_task = paths.ground()
+    labeller = load_labeller(labeller_file, team_task.problem) if labeller_file else None
     if durations_file is not None:
         _check_names(durations, team_task.problem, durations_file)
     if plan_file is None:

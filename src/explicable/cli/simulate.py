@@ -81,4 +81,4 @@ def simulate(
     Simulated participants are test instruments: what they say is no evidence about people.
     """
     who = find_family(family, families)
-    play_and_write([paths.read()], who, output, num_traces=num, seed=seed, way=way)
+    play_and_write([paths.ground().problem], who, output, num_traces=num, seed=seed, way=way)

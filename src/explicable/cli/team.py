@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from explicable.cli import EXIT_BAD_INPUT
-from explicable.cli.files import TeamProblemPaths, team_problem_arguments
+from explicable.cli.files import TeamProblemPaths, team_problem_arguments, warn_of_hopeless
 from explicable.errors import ConflictError
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def team(paths: TeamProblemPaths, as_json: bool) -> int:
         for conflict in error.conflicts:
             click.echo(f"explicable: {conflict}", err=True)
         return EXIT_BAD_INPUT
-    record = describe_team(ground_team(problem))
+    record = describe_team(warn_of_hopeless(ground_team(problem)))
     if as_json:
         click.echo(json.dumps(record))
     else:
