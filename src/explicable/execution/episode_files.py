@@ -18,6 +18,7 @@ from explicable.labelling.traces import problem_texts
 from explicable.model.files import write_whole
 from explicable.model.plan import format_action, parse_action
 from explicable.model.problem import GroundAtom
+from explicable.model.strict_json import parse_json
 
 FORMAT = "explicable-episode"
 VERSION = 1
@@ -103,15 +104,12 @@ class _Line:
     def __init__(self, path: Path, number: int, line: bytes) -> None:
         self.path, self.line_number = path, number
         try:
-            self.data: Any = json.loads(line.decode("utf-8"), parse_constant=self._refuse_constant)
+            self.data: Any = parse_json(line.decode("utf-8"))
         except (ValueError, RecursionError) as error:
             self.refuse(f"not JSON: {error}")
 
     def refuse(self, message: str) -> NoReturn:
         raise EpisodeError(message, path=self.path, line=self.line_number)
-
-    def _refuse_constant(self, name: str) -> NoReturn:
-        self.refuse(f"{name} is no JSON number")
 
     def check_keys(self, known: frozenset[str], required: Iterable[str]) -> None:
         if not isinstance(self.data, dict):

@@ -12,6 +12,7 @@ from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.learning import CLASSES, Symbols
 from explicable.labelling.templates import TEMPLATES_VERSION
 from explicable.model.files import write_whole
+from explicable.model.strict_json import parse_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -155,9 +156,7 @@ class _Reader:
 
     def decode(self) -> object:
         try:
-            data: object = json.loads(
-                self.path.read_bytes().decode("utf-8-sig"), parse_constant=_refuse_constant
-            )
+            return parse_json(self.path.read_bytes().decode("utf-8-sig"))
         except json.JSONDecodeError as error:
             raise LabellerError(
                 f"not a labeller file: not JSON: {error.msg}",
@@ -167,7 +166,6 @@ class _Reader:
             ) from error
         except (ValueError, RecursionError) as error:
             self.refuse(f"not a labeller file: {error}")
-        return data
 
     def names(self, what: str, data: object) -> list[str]:
         if not isinstance(data, list) or not all(isinstance(name, str) for name in data):
@@ -203,7 +201,3 @@ class _Reader:
 
 def _is_weight(value: object, limit: float) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= limit
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is no JSON number")

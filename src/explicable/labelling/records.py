@@ -11,6 +11,7 @@ from typing import Any, Literal, NoReturn
 from explicable.errors import PDDLError, PlanError, TraceError
 from explicable.model.plan import format_action, parse_action
 from explicable.model.problem import GroundAtom, Problem
+from explicable.model.strict_json import parse_json
 from explicable.model.team import TeamProblem
 from explicable.pddl import parse_domain, parse_problem
 
@@ -153,18 +154,13 @@ class RecordReader:
 
     def _decode(self, line: bytes) -> object:
         try:
-            text = line.decode("utf-8")
-            data: object = json.loads(
-                text, parse_constant=_refuse_constant, object_pairs_hook=_refuse_repetition
-            )
-            json.dumps(data, ensure_ascii=False).encode("utf-8")  # lone surrogates are no text
+            return parse_json(line.decode("utf-8"))
         except json.JSONDecodeError as error:
             raise TraceError(
                 f"not JSON: {error.msg}", path=self.path, line=self.line, column=error.colno
             ) from error
         except (ValueError, RecursionError) as error:
             raise TraceError(f"not JSON: {error}", path=self.path, line=self.line) from error
-        return data
 
     def _check_keys(
         self, what: str, data: dict[str, Any], known: Iterable[str], required: tuple[str, ...]
@@ -248,15 +244,3 @@ class RecordReader:
 def _show(value: object) -> str:
     shown = repr(value)
     return shown if len(shown) <= 60 else f"{shown[:57]}..."
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is no JSON number")
-
-
-def _refuse_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    data = dict(pairs)
-    if len(data) < len(pairs):
-        keys = [key for key, _ in pairs]
-        raise ValueError(f"the key {next(key for key in keys if keys.count(key) > 1)!r} occurs twice")
-    return data

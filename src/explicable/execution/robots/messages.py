@@ -11,7 +11,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NoReturn, TypeVar
+from typing import Any, TypeVar
 
 from explicable.errors import RobotError
 from explicable.execution.robots.protocol import (
@@ -25,6 +25,7 @@ from explicable.execution.robots.protocol import (
     facts_of,
 )
 from explicable.model.problem import GroundAtom
+from explicable.model.strict_json import parse_json
 
 VERSION = 1
 MAX_BYTES = 64 * 1024
@@ -147,10 +148,7 @@ def _parse(data: bytes) -> dict[str, Any]:
     if len(data) > MAX_BYTES:
         raise RobotError(f"a message has at most {MAX_BYTES} bytes, not {len(data)}")
     try:
-        value = json.loads(
-            data.decode(), parse_constant=_refuse_constant, object_pairs_hook=_refuse_repetition
-        )
-        json.dumps(value, ensure_ascii=False).encode()  # lone surrogates are no text
+        value = parse_json(data.decode())
     except UnicodeError as error:
         raise RobotError(f"not UTF-8 ({error})") from error
     except (ValueError, RecursionError) as error:
@@ -248,14 +246,3 @@ def _name(key: str, value: object) -> str:
 def _show(value: object) -> str:
     text = json.dumps(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is no JSON")
-
-
-def _refuse_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    data = dict(pairs)
-    if len(data) != len(pairs):
-        raise ValueError("a key occurs twice")
-    return data
