@@ -18,6 +18,7 @@ from explicable.model.problem import (
     Or,
     Parameter,
     Problem,
+    conjuncts,
     supertypes,
 )
 
@@ -57,7 +58,7 @@ def failing_part(
     for parameter in schema.parameters:
         if binding[parameter.name] not in objects(parameter):
             return Atom(format_types(parameter.types), (parameter.name,))
-    return next((part for part in _conjuncts(schema.precondition) if not holds(part, binding)), None)
+    return next((part for part in conjuncts(schema.precondition) if not holds(part, binding)), None)
 
 
 def format_formula(formula: Formula, binding: Binding) -> str:
@@ -99,11 +100,3 @@ def format_types(types: tuple[str, ...]) -> str:
     '(either cart truck)'
     """
     return types[0] if len(types) == 1 else f"(either {' '.join(types)})"
-
-
-def _conjuncts(formula: Formula) -> Iterator[Formula]:
-    if isinstance(formula, And):
-        for part in formula.parts:
-            yield from _conjuncts(part)
-    else:
-        yield formula

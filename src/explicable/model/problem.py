@@ -4,7 +4,7 @@ Everything here is a frozen value. Names are lower case. A term is a string: a v
 anything else names an object. A ground atom is a plain tuple ``(predicate, object, ...)``.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 GroundAtom = tuple[str, ...]
@@ -151,6 +151,21 @@ class Problem:
     goal: Formula
     values: Mapping[GroundAtom, int]
     minimize_cost: bool = False
+
+
+def conjuncts(formula: Formula) -> Iterator[Formula]:
+    """Yield the parts of a conjunction, however nested; of any other formula, itself.
+
+    Examples
+    --------
+    >>> [part.predicate for part in conjuncts(And((Atom("a", ()), And((Atom("b", ()),)))))]
+    ['a', 'b']
+    """
+    if isinstance(formula, And):
+        for part in formula.parts:
+            yield from conjuncts(part)
+    else:
+        yield formula
 
 
 def ancestors(types: Mapping[str, tuple[str, ...]]) -> dict[str, frozenset[str]]:

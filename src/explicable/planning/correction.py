@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from explicable.model.problem import ActionSchema, And, Effect, Problem
+from explicable.model.problem import ActionSchema, And, Effect, Problem, conjuncts
 from explicable.model.team import TeamProblem
 from explicable.planning.differences import Difference, FactDifference, SchemaDifference, ValueDifference
-from explicable.planning.schemas import conjuncts, renamed, terms
+from explicable.planning.schemas import renamed, terms
 
 
 def correct(problem: TeamProblem, told: Iterable[Difference]) -> TeamProblem:

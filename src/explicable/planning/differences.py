@@ -22,9 +22,10 @@ from explicable.model.problem import (
     GroundAtom,
     Not,
     Problem,
+    conjuncts,
 )
 from explicable.model.team import TeamProblem, schema_kind
-from explicable.planning.schemas import conjuncts, renamed
+from explicable.planning.schemas import renamed
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,18 +76,3 @@ def terms(formula: Formula) -> Iterator[str]:
     for part in _subformulas(formula):
         if isinstance(part, Atom):
             yield from part.terms
-
-
-def conjuncts(formula: Formula) -> Iterator[Formula]:
-    """Yield the parts of a conjunction, however nested; of any other formula, itself.
-
-    Examples
-    --------
-    >>> [part.predicate for part in conjuncts(And((Atom("a", ()), And((Atom("b", ()),)))))]
-    ['a', 'b']
-    """
-    if isinstance(formula, And):
-        for part in formula.parts:
-            yield from conjuncts(part)
-    else:
-        yield formula
