@@ -18,6 +18,9 @@ from explicable.model.task import State
 if TYPE_CHECKING:
     import numpy as np
 
+Belief = tuple[GroundAtom, bool]
+"""A fact, and whether it is taken to be true."""
+
 
 @dataclass(frozen=True, slots=True)
 class Mind:
@@ -38,7 +41,7 @@ class Mind:
     state: State
     requests: tuple[Request, ...] = ()
     tried: frozenset[GroundAtom] = frozenset()
-    inferred: tuple[tuple[GroundAtom, bool], ...] = ()
+    inferred: tuple[Belief, ...] = ()
 
     @property
     def request(self) -> Request | None:
@@ -170,15 +173,28 @@ def infer(
     The first fact on that way that the truth denies is worked out with the participant's probability to
     learn. A participant never learns what is not so.
     """
+    return learn(setting, participant, mind, find_error(setting, participant, mind, truth), rng)
+
+
+def find_error(setting: Setting, participant: Participant, mind: Mind, truth: State) -> Belief | None:
+    """Return what is believed on the way believed best, and is not so; of several such facts, the first."""
     way = _best_way(setting.belief, participant, mind)
     for operator in way or ():
         for atom, value in setting.belief.stage.needs(operator):
             if setting.truth.task.holds(atom, truth) != value:
-                if rng.random() >= participant.learning:
-                    return mind
-                state = setting.belief.stage.believe(mind.state, atom, true=not value)
-                return replace(mind, state=state, inferred=(*mind.inferred, (atom, not value)))
-    return mind
+                return atom, value
+    return None
+
+
+def learn(
+    setting: Setting, participant: Participant, mind: Mind, error: Belief | None, rng: "np.random.Generator"
+) -> Mind:
+    """Return the mind after it had the chance to see an error; see `infer`."""
+    if error is None or rng.random() >= participant.learning:
+        return mind
+    atom, value = error
+    state = setting.belief.stage.believe(mind.state, atom, true=not value)
+    return replace(mind, state=state, inferred=(*mind.inferred, (atom, not value)))
 
 
 def _best_way(outlook: Outlook, participant: Participant, mind: Mind) -> tuple[int, ...] | None:

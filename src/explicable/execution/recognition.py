@@ -11,14 +11,14 @@ When few guesses carry the weight, they are drawn anew (Gordon, Salmond & Smith 
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from explicable.errors import UsageError
 from explicable.execution import mind as minds
 from explicable.execution.course import Course
-from explicable.execution.mind import Mind
+from explicable.execution.mind import Belief, Mind
 from explicable.execution.monitor import Event
 from explicable.execution.notices import Occurrence
 from explicable.execution.participants import Family, Participant
@@ -28,6 +28,8 @@ from explicable.model.task import State
 
 if TYPE_CHECKING:
     import numpy as np
+
+Answer = TypeVar("Answer")
 
 
 @dataclass(slots=True)
@@ -110,8 +112,9 @@ class PersonFilter:
         Empty if nothing is left to ask for. A request under way is taken to be fulfilled before that.
         """
         chances: dict[GroundAtom, float] = {}
-        for guess in self.guesses:
-            for action, chance in self._choices(self._settle(guess.mind)).items():
+        choices = self._of_minds(lambda mind: self._choices(self._settle(mind)))
+        for guess, likely in zip(self.guesses, choices, strict=True):
+            for action, chance in likely.items():
                 chances[action] = chances.get(action, 0.0) + guess.weight * chance
         return chances
 
@@ -126,32 +129,45 @@ class PersonFilter:
     def _take_in(self, occurrence: Occurrence) -> None:
         event, action, after = occurrence.event, occurrence.notice.action, occurrence.game_state
         if event is Event.ANSWER_GIVEN and occurrence.notice.answer is not None:
-            self._weigh(lambda guess: self._answers(guess, explicable=occurrence.notice.answer is True))
+            explicable = occurrence.notice.answer
+            self._weigh([self._answers(guess, explicable=explicable) for guess in self.guesses])
         elif event is Event.STEP_FINISHED:
-            for guess in self.guesses:
-                self._think(guess, action)
+            self._think(action)
             self._watch(action, after)
         elif event is Event.PERSON_COMMANDED and after != self._state:
             if action in self.setting.belief.requests:
-                self._weigh(lambda guess: self._choices(guess.mind).get(action, self.lapse))
+                self._weigh(self._of_minds(lambda mind: self._choices(mind).get(action, self.lapse)))
             self._watch(action, after)
 
-    def _watch(self, action: GroundAtom, after: State) -> None:
-        """Let all guesses see a step; many share a mind."""
-        shared = {id(guess.mind): guess.mind for guess in self.guesses}
-        seen = {
-            key: minds.watch(self.setting, mind, action, self._state, after) for key, mind in shared.items()
-        }
-        for guess in self.guesses:
-            guess.mind = seen[id(guess.mind)]
+    def _of_minds(self, ask: Callable[[Mind], Answer]) -> list[Answer]:
+        """Ask the mind of each guess; many share one, which is asked once."""
+        minds_by_id = {id(guess.mind): guess.mind for guess in self.guesses}
+        answers = {key: ask(mind) for key, mind in minds_by_id.items()}
+        return [answers[id(guess.mind)] for guess in self.guesses]
 
-    def _think(self, guess: Guess, action: GroundAtom) -> None:
-        """Let a guess judge a robot step and perhaps learn from it, as a simulated participant does."""
-        setting, who = self.setting, guess.participant
-        guess.mind = minds.forget(setting, who, guess.mind, self._rng)
-        guess.regret = minds.regret(setting.belief, who, guess.mind, action)
-        if guess.regret > 0:
-            guess.mind = minds.infer(setting, who, guess.mind, self._state, self._rng)
+    def _watch(self, action: GroundAtom, after: State) -> None:
+        """Let all guesses see a step."""
+        seen = self._of_minds(lambda mind: minds.watch(self.setting, mind, action, self._state, after))
+        for guess, mind in zip(self.guesses, seen, strict=True):
+            guess.mind = mind
+
+    def _think(self, action: GroundAtom) -> None:
+        """Let all guesses judge a robot step and perhaps learn from it, as simulated participants do."""
+        setting = self.setting
+        # Judged once for all that judge alike; with the mind, so that no other can come to have its id.
+        judged: dict[tuple[int, str, bool], tuple[Mind, float, Belief | None]] = {}
+        changed: dict[Mind, Mind] = {}  # equal ones become one
+        for guess in self.guesses:
+            who, before = guess.participant, guess.mind
+            mind = minds.forget(setting, who, before, self._rng)
+            key = id(mind), who.horizon, who.initiative
+            if key not in judged:
+                regret = minds.regret(setting.belief, who, mind, action)
+                error = minds.find_error(setting, who, mind, self._state) if regret > 0 else None
+                judged[key] = mind, regret, error
+            _, guess.regret, error = judged[key]
+            mind = minds.learn(setting, who, mind, error, self._rng)
+            guess.mind = mind if mind is before else changed.setdefault(mind, mind)
 
     def _answers(self, guess: Guess, *, explicable: bool) -> float:
         accepted = minds.acceptance(guess.participant, guess.regret)
@@ -179,9 +195,9 @@ class PersonFilter:
             state = belief.task.successor(state, operator)
         return Mind(state)
 
-    def _weigh(self, likelihood: Callable[[Guess], float]) -> None:
-        for guess in self.guesses:
-            guess.weight *= likelihood(guess)
+    def _weigh(self, likelihoods: Sequence[float]) -> None:
+        for guess, likelihood in zip(self.guesses, likelihoods, strict=True):
+            guess.weight *= likelihood
         total = sum(guess.weight for guess in self.guesses)
         for guess in self.guesses:
             guess.weight /= total

@@ -4,7 +4,8 @@ import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Self, TypeAlias
+from functools import cache
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from explicable import _core
 from explicable.errors import UsageError
 from explicable.labelling.sequences import EncodedSequences, FeatureEncoder, FeatureSequence, encode_labels
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 Objective: TypeAlias = Callable[[NDArray[np.float64]], tuple[float, NDArray[np.float64]]]
 """A function that returns its value and its gradient."""
@@ -203,12 +207,11 @@ def minimise(
     [3.0, 3.0]
     """
     from scipy.optimize import Bounds, minimize
-    from threadpoolctl import threadpool_limits
 
     if len(start) == 0:
         return Optimum(start, objective(start)[0], 0, True)
     # One thread: L-BFGS works on vectors far too short to share, and sums must not depend on the machine.
-    with threadpool_limits(1, user_api="blas"):
+    with _linear_algebra().limit(limits=1, user_api="blas"):
         result = minimize(
             objective,
             start,
@@ -224,6 +227,17 @@ def minimise(
         )
     # Status 2: no step improves the objective any more; floating point allows no better.
     return Optimum(result.x, float(result.fun), int(result.nit), result.status in {0, 2})
+
+
+@cache
+def _linear_algebra() -> "ThreadpoolController":
+    """Return what holds the threads of linear algebra, once SciPy has loaded it.
+
+    Which libraries there are takes as long to find out as to adapt a labeller to one person.
+    """
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
 
 
 def sequence_loss(
