@@ -3,6 +3,7 @@
 import copy
 import heapq
 import itertools
+import math
 
 from explicable.execution import Proposal, Setting, SimulatedPerson, Situation
 from explicable.execution import mind as minds
@@ -53,26 +54,30 @@ class OraclePlanner:
     def _best_way(self, state: State, mind: Mind, request: Request) -> tuple[GroundAtom, ...] | None:
         """Dijkstra's algorithm over the true states; the mind goes along the best way to each."""
         setting, participant = self.setting, self.person.participant
-        truth = setting.truth
         numbers = itertools.count()
-        queue: list[tuple[float, int, State, Mind, tuple[GroundAtom, ...]]] = [
-            (0.0, next(numbers), state, mind, ())
+        # Price, number, state, the state and the mind before the last step, and the way.
+        queue: list[tuple[float, int, State, State, Mind, tuple[GroundAtom, ...]]] = [
+            (0.0, next(numbers), state, state, mind, ())
         ]
+        least = {state: 0.0}
         closed: set[State] = set()
         while queue and len(closed) < _MAX_EXPANSIONS:
-            price, _, here, seen, way = heapq.heappop(queue)
+            price, _, here, before, seen, way = heapq.heappop(queue)
             if way and way[-1] in request.fulfilled_by:
                 return way
             if here in closed:
                 continue
             closed.add(here)
-            for action, cost, after in truth.robot_steps(here):
+            if way:
+                seen = minds.watch(setting, seen, way[-1], before, here)
+            for action, cost, after in setting.truth.robot_steps(here):
                 if after not in closed:
                     held = minds.regret(setting.belief, participant, seen, action)
-                    against = self.alpha * (1.0 - minds.acceptance(participant, held))
-                    then = minds.watch(setting, seen, action, here, after)
-                    entry = price + cost + against, next(numbers), after, then, (*way, action)
-                    heapq.heappush(queue, entry)
+                    paid = price + cost + self.alpha * (1.0 - minds.acceptance(participant, held))
+                    if paid < least.get(after, math.inf) or action in request.fulfilled_by:
+                        least[after] = min(paid, least.get(after, math.inf))
+                        entry = paid, next(numbers), after, here, seen, (*way, action)
+                        heapq.heappush(queue, entry)
         return None
 
     def _after(self, state: State, mind: Mind, action: GroundAtom) -> tuple[State, Mind]:

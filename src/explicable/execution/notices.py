@@ -1,6 +1,9 @@
-"""What happens in a game, and how it stands on record while the game goes on."""
+"""What happens in a game, and how it stands on record while the game goes on.
 
-from dataclasses import dataclass
+Named tuples: a game makes hundreds of them, and they are made in less than half the time of a frozen class.
+"""
+
+from typing import NamedTuple
 
 from explicable.execution.monitor import Event, State
 from explicable.execution.plans import Actions
@@ -9,8 +12,7 @@ from explicable.model.problem import GroundAtom
 from explicable.model.task import State as GameState
 
 
-@dataclass(frozen=True, slots=True)
-class Notice:
+class Notice(NamedTuple):
     """Something that happened.
 
     Parameters
@@ -40,8 +42,7 @@ class Notice:
     agent: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Occurrence:
+class Occurrence(NamedTuple):
     """A notice, when it came, and what it led to.
 
     Parameters
