@@ -18,10 +18,10 @@ from typing import Protocol
 from explicable.execution import Course, PersonFilter, Proposal, Situation, adapt, num_changes
 from explicable.execution.monitor import Event
 from explicable.execution.outlook import remember
-from explicable.execution.plans import Actions
 from explicable.labelling import Labeller
 from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
+from explicable.model.plan import Actions
 from explicable.model.problem import GroundAtom
 from explicable.model.task import Execution, State
 from explicable.model.team import TeamProblem

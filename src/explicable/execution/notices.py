@@ -6,8 +6,8 @@ Named tuples: a game makes hundreds of them, and they are made in less than half
 from typing import NamedTuple
 
 from explicable.execution.monitor import Event, State
-from explicable.execution.plans import Actions
 from explicable.execution.robots.protocol import Fact
+from explicable.model.plan import Actions
 from explicable.model.problem import GroundAtom
 from explicable.model.task import State as GameState
 

@@ -3,13 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from explicable.model.problem import GroundAtom
+from explicable.model.plan import Actions
 from explicable.model.requests import Request
 from explicable.model.task import State
 from explicable.model.team import TeamProblem
 from explicable.search import Outcome
-
-Actions = tuple[GroundAtom, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,9 +9,10 @@ from explicable.execution.facts import change_state, restart_at, without
 from explicable.execution.mind import Mind
 from explicable.execution.monitor import FINAL, Event, State
 from explicable.execution.notices import Notice, Occurrence
-from explicable.execution.plans import Actions, Situation
+from explicable.execution.plans import Situation
 from explicable.execution.robots.protocol import Fact
 from explicable.execution.setting import Setting
+from explicable.model.plan import Actions
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
 

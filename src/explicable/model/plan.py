@@ -11,6 +11,9 @@ from explicable.model.problem import GroundAtom
 _LINE = re.compile(r"\(([^()]+)\)")
 _NAME = re.compile(r"[^\s();\"]+")
 
+Actions = tuple[GroundAtom, ...]
+"""A plan without its agents."""
+
 
 @dataclass(frozen=True, slots=True)
 class Step:

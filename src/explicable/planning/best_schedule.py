@@ -4,14 +4,12 @@ import math
 from typing import TYPE_CHECKING
 
 from explicable.model.durations import Durations
-from explicable.model.problem import GroundAtom
+from explicable.model.plan import Actions
 from explicable.model.schedule import Schedule, make_schedule
 from explicable.model.team import TeamTask
 
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan, Labeller
-
-Actions = tuple[GroundAtom, ...]
 
 
 class BestSchedule:

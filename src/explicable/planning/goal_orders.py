@@ -10,13 +10,12 @@ order then looks for a better one.
 from collections.abc import Callable, Iterator, Sequence
 
 from explicable.model.durations import Durations
+from explicable.model.plan import Actions
 from explicable.model.problem import GroundAtom
 from explicable.model.schedule import make_schedule
 from explicable.model.task import State
 from explicable.model.team import TeamTask
 from explicable.search import search
-
-Actions = tuple[GroundAtom, ...]
 
 _WAY_LIMIT_S = 1.0
 

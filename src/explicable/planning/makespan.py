@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING
 
 from explicable.errors import UsageError
 from explicable.model.durations import Durations
-from explicable.model.plan import Step
-from explicable.model.problem import GroundAtom
+from explicable.model.plan import Actions, Step
 from explicable.model.schedule import Schedule, make_schedule
 from explicable.model.team import TeamTask
 from explicable.planning.best_schedule import BestSchedule, schedule_objective
@@ -34,7 +33,6 @@ from explicable.search import Outcome, search
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan, Labeller
 
-Actions = tuple[GroundAtom, ...]
 
 _FIRST_WIDTH = 4
 _GROWTH = 4

@@ -11,6 +11,7 @@ from explicable.execution import Planner, Proposal, Setting, Situation
 from explicable.execution.episodes import follow
 from explicable.labelling import Labeller
 from explicable.model.grounding import ground_team
+from explicable.model.plan import Actions
 from explicable.model.problem import GroundAtom
 from explicable.search import Outcome, search
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from explicable.model.requests import Request
     from explicable.model.task import State
 
-Actions = tuple[GroundAtom, ...]
 
 _MOST_PLANS = 20_000
 
