@@ -30,6 +30,7 @@ from typing import Any, get_args
 from explicable.errors import InputError, UsageError
 from explicable.evaluation.records import Settings, Trial
 from explicable.evaluation.trials import check_settings
+from explicable.model.files import read_text
 
 _WORDS: Mapping[str, type] = {
     "question": str,
@@ -105,11 +106,7 @@ def builtin_experiments(*, quick: bool = False) -> list[Experiment]:
 
 def read_experiment(path: str | Path, *, quick: bool = False) -> Experiment:
     """Read one experiment from a file; see `parse_experiment`."""
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"not a text file in UTF-8 ({error.reason})", path=path) from error
-    return parse_experiment(text, _name(Path(path).name), quick=quick, path=path)
+    return parse_experiment(read_text(path), _name(Path(path).name), quick=quick, path=path)
 
 
 def experiment_on_traces(path: str | Path, *, quick: bool = False) -> Experiment:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
 from explicable.errors import InputError, UsageError
+from explicable.model.files import read_text
 
 if TYPE_CHECKING:
     import numpy as np
@@ -119,11 +120,7 @@ def builtin_families() -> dict[str, Family]:
 
 def read_families(path: str | Path) -> dict[str, Family]:
     """Read a file of families; see `parse_families`."""
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"not a text file in UTF-8 ({error.reason})", path=path) from error
-    return parse_families(text, path)
+    return parse_families(read_text(path), path)
 
 
 def parse_families(text: str, path: str | Path | None = None) -> dict[str, Family]:

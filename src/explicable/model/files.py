@@ -1,9 +1,40 @@
-"""Files that appear whole or not at all."""
+"""Files: text in UTF-8, and files that appear whole or not at all."""
 
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from explicable.errors import InputError
+
+
+def read_text(path: str | Path, error: type[InputError] = InputError) -> str:
+    r"""Read a text file in UTF-8, without the mark that some editors put at its beginning.
+
+    Parameters
+    ----------
+    error
+        What to raise if it is none.
+
+    Raises
+    ------
+    InputError
+        If it is not UTF-8.
+    OSError
+        If there is no such file, or it can't be read.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_whole(Path(folder) / "plan.txt", b"\xef\xbb\xbf(wait)")
+    ...     read_text(Path(folder) / "plan.txt")
+    '(wait)'
+    """
+    try:
+        return Path(path).read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as found:
+        raise error(f"not a text file in UTF-8 ({found.reason})", path=path) from found
 
 
 def write_whole(path: str | Path, content: str | bytes) -> None:

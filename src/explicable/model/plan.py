@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from explicable.errors import PlanError
+from explicable.model.files import read_text
 from explicable.model.problem import GroundAtom
 
 _LINE = re.compile(r"\(([^()]+)\)")
@@ -116,11 +117,7 @@ def _step_lines(text: str) -> Iterator[tuple[int, str]]:
 
 def read_plan(path: str | Path) -> tuple[GroundAtom, ...]:
     """Read a plan file; see `parse_plan`."""
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise PlanError(f"not a text file in UTF-8 ({error.reason})", path=path) from error
-    return parse_plan(text, path)
+    return parse_plan(read_text(path, PlanError), path)
 
 
 def format_plan(actions: Sequence[GroundAtom] | Iterable[GroundAtom], cost: int) -> str:

@@ -10,6 +10,7 @@ from explicable.errors import InputError, PlanError
 from explicable.execution import Setting, prepare
 from explicable.first_response import World, encode, read_map
 from explicable.labelling import Labeller
+from explicable.model.files import read_text
 from explicable.model.plan import format_action, read_plan
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
@@ -102,10 +103,7 @@ class Materials:
         if file is None:
             return None
         path = resolve(self.folder, file)
-        try:
-            return path.read_text(encoding="utf-8-sig")
-        except UnicodeDecodeError as error:
-            raise InputError(f"not a text file in UTF-8 ({error.reason})", path=path) from error
+        return read_text(path)
 
     def _prepare(self, task: Task, condition: Condition) -> Material:
         world = read_map(resolve(self.folder, task.map)) if task.map else None
