@@ -5,7 +5,7 @@ import pytest
 from explicable.model.strict_json import parse_json
 
 
-@pytest.mark.parametrize("text", ['{"a": NaN}', "[-Infinity]", '{"a": 1, "b": {"a": 1, "a": 2}}', '"\\ud800"'])
+@pytest.mark.parametrize("text", ['{"a": NaN}', "[-Infinity]", '{"b": {"a": 1, "a": 2}}', '"\\ud800"'])
 def test_what_is_no_json_is_refused(text):
     with pytest.raises(ValueError, match=r"no JSON number|occurs twice|surrogates"):
         parse_json(text)

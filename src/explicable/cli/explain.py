@@ -17,7 +17,7 @@ from explicable.cli.files import (
     team_problem_arguments,
     warn,
 )
-from explicable.cli.outcomes import exit_code
+from explicable.cli.outcomes import exit_code, json_option
 from explicable.cli.prices import HumanSteps, human_step_options
 from explicable.cli.progress import working
 from explicable.model.plan import format_action
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 @click.option(
     "--time-limit", type=FiniteRange(min=0), default=10.0, show_default=True, help="Seconds for it all."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def explain(
     paths: TeamProblemPaths,
     labeller_file: Path,

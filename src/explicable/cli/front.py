@@ -19,6 +19,7 @@ from explicable.cli.files import (
     load_labeller,
     team_problem_arguments,
 )
+from explicable.cli.outcomes import json_option
 from explicable.cli.progress import working
 from explicable.model.plan import format_action, format_plan
 
@@ -54,7 +55,7 @@ if TYPE_CHECKING:
     type=OUTPUT_FILE,
     help="Draw the front: an .svg or .png file. Needs `pip install explicable[evaluation]`.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def front(
     paths: TeamProblemPaths,
     labeller_file: Path,

@@ -17,6 +17,7 @@ from explicable.cli.files import (
     read_human_model,
 )
 from explicable.cli.first_response import map_argument, semantics_option
+from explicable.cli.outcomes import json_option
 from explicable.cli.progress import working
 from explicable.errors import PlanError
 from explicable.model.files import write_whole
@@ -171,7 +172,7 @@ def _planner(
     help="Seconds a step in the picture, which plays itself; 0: it stands still.",
 )
 @click.option("--trace", type=OUTPUT_FILE, help="Write the steps with the answers to this trace file.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def replay(episode: Path, svg: Path | None, step_time: float, trace: Path | None, as_json: bool) -> int:
     """Play the game on record in EPISODE again, event by event, and check that the same comes of it.
 

@@ -14,6 +14,7 @@ from explicable.cli.files import (
     read_steps,
     team_problem_arguments,
 )
+from explicable.cli.outcomes import json_option
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 @team_problem_arguments
 @click.argument("plan_file", metavar="PLAN", type=INPUT_FILE)
 @click.option("--explain", is_flag=True, help="Show for each step the features that moved its label most.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def label(
     paths: TeamProblemPaths, labeller_file: Path, plan_file: Path, explain: bool, as_json: bool
 ) -> None:

@@ -20,6 +20,7 @@ from explicable.cli.files import (
     read_steps,
     team_problem_arguments,
 )
+from explicable.cli.outcomes import json_option
 from explicable.cli.progress import working
 from explicable.model.plan import format_action, parse_plan
 
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from explicable.planning import Measures, RankedPlan
 
 plan_argument = click.argument("plan_file", metavar="PLAN", type=INPUT_FILE)
-json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 
 people_option = click.option(
     "--people",

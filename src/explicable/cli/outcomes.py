@@ -1,12 +1,16 @@
-"""Exit codes of what a search came to."""
+"""What commands share about their results: exit codes, and the option to have them as JSON."""
 
 from typing import TYPE_CHECKING
+
+import click
 
 from explicable.cli import EXIT_INTERRUPTED, EXIT_LIMIT, EXIT_UNSOLVABLE
 
 if TYPE_CHECKING:
     from explicable.planning import TeamPlan, ToldPlan
     from explicable.search import Outcome
+
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 
 
 def exit_code(result: "TeamPlan | ToldPlan") -> int:

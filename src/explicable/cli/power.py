@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from explicable.cli.files import FiniteRange
+from explicable.cli.outcomes import json_option
 from explicable.cli.progress import working
 from explicable.cli.simulate import find_family
 
@@ -31,7 +32,7 @@ from explicable.cli.simulate import find_family
     "--studies", type=click.IntRange(20, 10_000), default=500, show_default=True, help="Studies of each size."
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of all chance.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def power(
     folder: Path,
     compare: tuple[str, str] | None,

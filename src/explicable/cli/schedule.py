@@ -18,7 +18,7 @@ from explicable.cli.files import (
     team_problem_arguments,
     warn,
 )
-from explicable.cli.outcomes import failure_code
+from explicable.cli.outcomes import failure_code, json_option
 from explicable.errors import InputError
 from explicable.model.plan import format_action
 
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 @click.option("--seed", type=int, default=0, show_default=True, help="Breaks ties.")
 @click.option("--svg", "svg_file", type=OUTPUT_FILE, help="Draw the schedule into this file.")
 @click.option("-o", "--output", type=OUTPUT_FILE, help="Write the schedule to this file, as a temporal plan.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def schedule(
     paths: TeamProblemPaths,
     plan_file: Path | None,

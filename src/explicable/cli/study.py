@@ -8,6 +8,7 @@ import click
 
 from explicable.cli.extras import require
 from explicable.cli.files import OUTPUT_FOLDER, FiniteRange, warn
+from explicable.cli.outcomes import json_option
 from explicable.cli.power import power
 from explicable.cli.simulate import find_family
 
@@ -17,7 +18,6 @@ study_argument = click.argument("folder", metavar="DIR", type=STUDY)
 database_option = click.option(
     "--database", metavar="URL", help="Database, as SQLAlchemy writes it. Default: the file study.db in DIR."
 )
-json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 
 
 @click.group()

@@ -7,6 +7,7 @@ import click
 
 from explicable.cli import EXIT_BAD_INPUT
 from explicable.cli.files import TeamProblemPaths, team_problem_arguments, warn_of_hopeless
+from explicable.cli.outcomes import json_option
 from explicable.errors import ConflictError
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ _TITLES = {
 
 @click.command()
 @team_problem_arguments
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def team(paths: TeamProblemPaths, as_json: bool) -> int:
     """Show the team of DOMAIN PROBLEM: its agents, their actions, and where the two models differ.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange, read_labelled_traces, warn
+from explicable.cli.outcomes import json_option
 from explicable.cli.progress import is_watched
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ _MOST = 100_000  # copies of a trace, and models: a hundred times what anybody h
     type=OUTPUT_FILE,
     help="Draw how often held-out steps were explicable, by predicted probability, to this SVG file.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def train(
     files: tuple[Path, ...],
     output: Path,

@@ -200,13 +200,14 @@ def _write_traces(tx: Transaction, materials: Materials, folder: Path) -> int:
     texts: dict[int, dict[str, str]] = {}  # by problem, which the study keeps
     files: dict[str, IO[str]] = {}
     with ExitStack() as stack:
-        for num, trace in enumerate(read_played(tx, materials), start=1):
+        for trace in read_played(tx, materials):
             if trace.origin not in files:
                 path = folder / "traces" / _TRACE_FILES[trace.origin]
                 files[trace.origin] = stack.enter_context(_opened(path))
             if id(trace.problem) not in texts:
                 texts[id(trace.problem)] = problem_texts(trace.problem)
             files[trace.origin].write(f"{format_record(trace, texts[id(trace.problem)])}\n")
+            num += 1
     return num
 
 
