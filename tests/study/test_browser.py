@@ -358,3 +358,21 @@ def test_a_page_goes_on_by_itself_when_its_server_was_killed(browser, tmp_path):
         context.close()
     labels = rows(folder, tables.LABELS)
     assert len(labels) == len({(label.assignment, label.number) for label in labels}) > 0
+
+
+def test_clicking_twice_is_clicking_once(page, served):
+    folder, link, _ = served
+    page.goto(link)
+    page.dblclick("button[value=yes]")
+    page.wait_for_selector("h1:has-text('Instructions')")
+    follow(page, "main button")
+    page.dblclick("[data-room].possible")
+    until(page, "!pending && view.phase === 'question'")
+    page.dblclick("#yes")
+    page.dblclick("#yes")
+    play(page, *by_mouse(page))
+    assert len(rows(folder, tables.SESSIONS)) == 1
+    steps = sorted((step.number, step.operator) for step in rows(folder, tables.STEPS))
+    assert [operator for _, operator in steps if operator.startswith("(command")] == [steps[0][1]]
+    labels = rows(folder, tables.LABELS)
+    assert len(labels) == len(steps) - 1

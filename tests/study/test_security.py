@@ -208,7 +208,7 @@ def test_refusals_are_in_the_participants_language_and_researchers_in_english(tm
         assert "There is no such page" in client.get("/admin/nowhere").text
 
 
-def test_what_people_write_is_shown_as_text(client):
+def test_what_people_write_is_shown_as_text(client, tmp_path):
     visitor = Visitor(client)
     visitor.arrive("?PROLIFIC_PID=<script>alert(1)</script>")
     assert "<script>alert" not in visitor.page.text
@@ -217,6 +217,13 @@ def test_what_people_write_is_shown_as_text(client):
     visitor.play()
     page = visitor.submit(comment="</textarea><script>alert(1)</script>").text
     assert "<script>alert" not in page
+    visitor.submit(
+        **{"rating-robot": "3", "comment": "a\0b \u202e👍"}
+    )  # PostgreSQL stores no null characters
+    store = Store(f"sqlite:///{tmp_path / DATABASE}")
+    (comment,) = store.read(lambda tx: tx.all(tables.ANSWERS, name="comment"))
+    store.close()
+    assert comment.value == "ab \u202e👍"
 
 
 def test_no_network_address_is_stored(client, tmp_path):

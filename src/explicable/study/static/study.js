@@ -12,6 +12,7 @@ let shownAt = 0;
 let queue = Promise.resolve();
 let pending = 0;
 let isFinished = false;
+let ordered = "";
 
 const newId = () => Array.from(crypto.getRandomValues(new Uint8Array(16)), (b) => b.toString(16).padStart(2, "0")).join("");
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
@@ -121,11 +122,14 @@ function answer(explicable) {
   send("/api/answer", { number: view.number, explicable, latency_s: (performance.now() - shownAt) / 1000 });
 }
 
+// Who clicks twice orders once: what is on its way, or in force, is not ordered again.
 function command(found) {
-  if (!found || !found.is_possible || isFinished) return;
+  if (!found || !found.is_possible || isFinished || found.operator === ordered) return;
+  if (found.is_present && view.phase !== "waiting") return;
   clearTimeout(timer);
   hasStarted = true;
-  send("/api/command", { operator: found.operator });
+  ordered = found.operator;
+  send("/api/command", { operator: found.operator }).finally(() => { ordered = ""; });
 }
 
 part("yes").addEventListener("click", () => answer(true));
