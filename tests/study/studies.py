@@ -9,7 +9,7 @@ from starlette.testclient import TestClient
 from explicable.study.app import create_app
 from explicable.study.folder import open_database
 from explicable.study.materials import read_materials
-from explicable.study.simulation import shown
+from explicable.study.onlooker import shown
 from explicable.study.store import Store, sqlite_url
 
 CORRIDOR = "@.*.\n....\n.x.*\n"

@@ -8,8 +8,8 @@ from studies import TASKS, Visitor, open_study, write_study
 
 from explicable.cli import run
 from explicable.study import schema as tables
-from explicable.study.config import read_study
-from explicable.study.simulation import shown
+from explicable.study.onlooker import shown
+from explicable.study.study_file import read_study
 
 
 @pytest.fixture

@@ -12,8 +12,9 @@ from studies import write_study
 from explicable.cli import run
 from explicable.errors import UsageError
 from explicable.execution import builtin_families
+from explicable.study.difference import find_differences
 from explicable.study.materials import read_materials
-from explicable.study.power import analyse, arms, find_differences
+from explicable.study.power import analyse, arms
 
 PLANS = "".join(
     f'[[task]]\nname = "{source}"\nmap = "two.map"\nplan = "{source}.txt"\nsource = "{source}"\npeople = 5\n'

@@ -8,7 +8,7 @@ from studies import Visitor, open_study, write_study
 
 from explicable.cli import run
 from explicable.errors import InputError
-from explicable.study.config import read_study
+from explicable.study.study_file import read_study
 
 
 @pytest.fixture

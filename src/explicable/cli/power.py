@@ -48,8 +48,9 @@ def power(
     Simulated participants, who are test instruments, take part in many simulated studies; the level is 5 %.
     """
     from explicable.execution import builtin_families
+    from explicable.study.difference import LEVEL
     from explicable.study.materials import read_materials
-    from explicable.study.power import LEVEL, analyse, arms, say
+    from explicable.study.power import analyse, arms, say
 
     materials = read_materials(folder)
     known = arms(materials)

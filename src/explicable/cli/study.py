@@ -28,7 +28,7 @@ def study() -> None:
 
 def _warn(folder: Path) -> None:
     """Say what is allowed in a study, but hardly meant."""
-    from explicable.study.config import read_study
+    from explicable.study.study_file import read_study
 
     for warning in read_study(folder).warnings:
         warn(warning)

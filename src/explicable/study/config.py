@@ -1,16 +1,11 @@
 """A study as its researcher writes it down: ``study.toml`` (docs/study.md)."""
 
-import re
-import tomllib
-from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from explicable.errors import InputError
 from explicable.first_response.encoding import Semantics
 from explicable.study.game import Ask
-from explicable.study.lines import line_of
 from explicable.study.recruitment import unknown_field
 
 FILE = "study.toml"
@@ -265,56 +260,3 @@ class Study(_Table):
             for condition in self.conditions
             if condition.mode == "autonomous" and condition.waits
         ]
-
-
-def read_study(folder: str | Path) -> Study:
-    """Read a study's file.
-
-    Raises
-    ------
-    InputError
-        If it is missing or wrong; names the key and its line.
-
-    Examples
-    --------
-    >>> read_study("nowhere")
-    Traceback (most recent call last):
-    explicable.errors.InputError: nowhere/study.toml: cannot be read: No such file or directory
-    """
-    path = Path(folder) / FILE
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-        data = tomllib.loads(text)
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", path=path) from error
-    except tomllib.TOMLDecodeError as error:
-        raise _misspelt(error, path) from error
-    except (ValueError, RecursionError) as error:  # no UTF-8; a number of thousands of digits; brackets
-        raise InputError(f"not TOML: {error}", path=path) from error
-    shared = data.get("play", {})
-    conditions = data.get("condition")
-    if isinstance(shared, dict) and isinstance(conditions, list):
-        # A condition says only what differs from the table that all share.
-        data["condition"] = [{**shared, **c} if isinstance(c, dict) else c for c in conditions]
-    try:
-        return Study.model_validate(data)
-    except ValidationError as error:
-        raise _misstated(error, text, path) from error
-
-
-def _misspelt(error: tomllib.TOMLDecodeError, path: Path) -> InputError:
-    """Say where a file is no TOML."""
-    place = re.search(r" \(at line (\d+), column (\d+)\)$", str(error))
-    if place is None:
-        return InputError(f"not TOML: {error}", path=path)
-    message = f"not TOML: {str(error)[: place.start()]}"
-    return InputError(message, path=path, line=int(place[1]), column=int(place[2]))
-
-
-def _misstated(error: ValidationError, text: str, path: Path) -> InputError:
-    """Say which key of a file has no meaning, and where it stands."""
-    first = error.errors()[0]
-    name = ".".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])
-    told = {"extra_forbidden": "there is no such key", "missing": "is missing"}
-    message = told.get(first["type"], first["msg"].removeprefix("Value error, "))
-    return InputError(f"{name}: {message}" if name else message, path=path, line=line_of(text, first["loc"]))

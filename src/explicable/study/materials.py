@@ -15,12 +15,13 @@ from explicable.model.plan import format_action, read_plan
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
 from explicable.pddl import read_team_problem
-from explicable.study.config import FILE, Condition, Study, Task, read_study
+from explicable.study.config import FILE, Condition, Study, Task
 from explicable.study.game import Game, play_by_commands, replay
 from explicable.study.pictures import MapPictures, Pictures
 from explicable.study.places import place_pictures
 from explicable.study.protocol import ConflictError
 from explicable.study.sentences import Wording
+from explicable.study.study_file import read_study
 from explicable.study.teaming import LabelledPlanner, Teaming
 from explicable.study.words import Language, language
 

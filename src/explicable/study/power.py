@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 from explicable.errors import UsageError
 from explicable.study.assignment import draw_tasks, least_used
 from explicable.study.config import Condition, Task
+from explicable.study.difference import find_differences, wilson
 from explicable.study.materials import Materials
-from explicable.study.simulation import rehearse
+from explicable.study.onlooker import rehearse
 
 if TYPE_CHECKING:
     from explicable.execution import Family
 
-LEVEL = 0.05
-"""Share of studies that may find a difference where there is none; two-sided."""
 FEWEST = 4
 """Fewest people considered: with fewer, errors can't be estimated from how they differ."""
 
@@ -196,42 +195,6 @@ def analyse(
     )
 
 
-def find_differences(studies: _Array) -> tuple[_Array, NDArray[np.bool_]]:
-    """Return the difference that each study sees, and whether it is significant.
-
-    Parameters
-    ----------
-    studies
-        Of shape (studies, people, 2, 2): for each person and each of the two compared, robot steps called
-        explicable, and robot steps labelled.
-
-    Notes
-    -----
-    The difference of two pooled shares, with the sandwich estimate of its error: what a generalised
-    estimating equation with the identity link and independent working correlation says of answers clustered
-    by person (Liang & Zeger, Biometrika 73, 1986). Because people may be few, its variance is multiplied by
-    n / (n - 1), and the quotient is held against Student's t with n - 1 degrees of freedom.
-
-    Examples
-    --------
-    >>> one, other = [9, 8, 9, 7], [2, 4, 3, 3]
-    >>> study = np.array([[(yes, 10), (no, 10)] for yes, no in zip(one, other)], float)
-    >>> difference, is_significant = find_differences(study[None])
-    >>> round(float(difference[0]), 3), bool(is_significant[0])
-    (0.525, True)
-    """
-    from scipy.stats import t
-
-    num_people = studies.shape[1]
-    total = studies.sum(axis=1)
-    asked = np.maximum(total[..., 1], 1)  # nobody has seen one of the two: no difference is seen
-    shares = total[..., 0] / asked
-    off = (studies[..., 0] - shares[:, None] * studies[..., 1]) / asked[:, None]
-    error = np.sqrt(((off[..., 0] - off[..., 1]) ** 2).sum(axis=1) * num_people / (num_people - 1))
-    difference = np.where((total[..., 1] > 0).all(axis=1), shares[:, 0] - shares[:, 1], 0.0)
-    return difference, np.abs(difference) > t.ppf(1 - LEVEL / 2, num_people - 1) * error
-
-
 def _rehearsals(
     materials: Materials, family: "Family", num: int, seed: int, tell: Callable[[float], None]
 ) -> _Array:
@@ -284,20 +247,12 @@ def _study(
 def _size(materials: Materials, studies: _Array, num_people: int) -> Size:
     difference, is_significant = find_differences(studies)
     power, num = float(is_significant.mean()), len(studies)
-    middle, half = _wilson(power, num)
+    middle, half = wilson(power, num)
     low, high = (float(end) for end in np.quantile(difference, (0.025, 0.975)))
     study = materials.study
     in_conditions = len(study.conditions) if any(task.kind == "play" for task in study.task) else 1
     each = min(study.tasks_each, len(study.task)) * num_people / (len(study.task) * in_conditions)
     return Size(num_people, int(np.ceil(each)), power, middle - half, middle + half, low, high)
-
-
-def _wilson(share: float, num: int) -> tuple[float, float]:
-    """Return middle and half width of the 95 % interval of a share (Wilson, J. Am. Stat. Assoc. 22, 1927)."""
-    z = 1.959964
-    scale = 1 + z * z / num
-    middle = (share + z * z / (2 * num)) / scale
-    return middle, z / scale * float(np.sqrt(share * (1 - share) / num + z * z / (4 * num * num)))
 
 
 def say(powers: Sequence[Power], most: int) -> str:

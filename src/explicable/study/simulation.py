@@ -14,25 +14,18 @@ import sys
 import time
 import urllib.request
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+from dataclasses import dataclass, field
+from typing import Any, TypedDict, Unpack
 from urllib.parse import urljoin
 
 import numpy as np
 
 from explicable.errors import InputError
-from explicable.execution import Family, Participant, SimulatedPerson
-from explicable.execution import Game as Watched
-from explicable.labelling import LabelledStep
-from explicable.model.plan import format_action, parse_action
+from explicable.execution import Family
 from explicable.study.client import Answer, Client
-from explicable.study.game import Moment
-from explicable.study.materials import Material, Materials
+from explicable.study.materials import Materials
+from explicable.study.onlooker import Onlooker, shown
 from explicable.study.security import Keys
-from explicable.study.view import commands_of, phase_of
-
-if TYPE_CHECKING:
-    from explicable.model.problem import GroundAtom
 
 _VIEW = re.compile(r' data-view="([^"]*)"')
 _HIDDEN = re.compile(r'<input type="hidden" name="(\w+)" value="([^"]*)"')
@@ -192,9 +185,9 @@ class _Visit:
         """Play or watch one task to its end."""
         place = view["stage"], view["position"]
         material = self.simulation.materials.material(view["task"], view["condition"])
-        eye = _Eye(material, self.participant, self.rng)
+        onlooker = Onlooker(material, self.participant, self.rng)
         while (view["stage"], view["position"]) == place and not self.simulation.is_over():
-            path, body = eye.decide(view)
+            path, body = onlooker.decide(view)
             if self.simulation.pace_s and path != "/api/command":
                 await asyncio.sleep(self.simulation.pace_s / 2 * float(self.rng.uniform(0.5, 1.5)))
             if path == "/api/step" and view["next"] is not None:
@@ -256,84 +249,6 @@ def check_served(link: str, study_hash: str) -> None:
         raise InputError(f"no study answers there: {reason}", path=link) from error
     if not isinstance(told, dict) or told.get("study") != study_hash:
         raise InputError("another study is served there, or its files have changed since", path=link)
-
-
-def shown(view: dict[str, Any]) -> dict[str, Any]:
-    """Return a view after the step that its page shows without asking.
-
-    Examples
-    --------
-    >>> shown({"stage": "tasks", "number": 3, "next": {"phase": "question", "num_taken": 1, "next": None}})
-    {'stage': 'tasks', 'number': 4, 'next': None, 'phase': 'question', 'num_taken': 1}
-    """
-    return {**view, **view["next"], "number": view["number"] + view["next"]["num_taken"]}
-
-
-def rehearse(
-    material: Material, participant: Participant, rng: np.random.Generator
-) -> tuple[LabelledStep, ...]:
-    """Let a participant play or watch a task without a server; return the steps with the labels."""
-    game, eye, moment = material.game, _Eye(material, participant, rng), Moment()
-    while not game.is_over(moment):
-        request = game.request(moment)
-        path, body = eye.decide(
-            {
-                "phase": phase_of(material, moment),
-                "number": len(moment.steps),
-                "operator": moment.operator,
-                "commands": [
-                    command.model_dump()
-                    for command in commands_of(material, moment, request.action if request else None)
-                ],
-            }
-        )
-        if path == "/api/answer":
-            moment = game.answer(moment, explicable=body["explicable"])
-        elif path == "/api/command":
-            moment = game.command(moment, parse_action(body["operator"]))
-        else:
-            moment = game.step(moment)
-    return moment.steps
-
-
-class _Eye:
-    """What a simulated participant sees of one task, and makes of it."""
-
-    def __init__(self, material: Material, participant: Participant, rng: np.random.Generator) -> None:
-        expects_initiative = participant.initiative or material.condition.mode != "commanded"
-        participant = replace(participant, initiative=expects_initiative)
-        setting = material.game.setting
-        self.person = SimulatedPerson(setting, participant, rng)
-        self.watched = Watched(setting, self.person)
-        self.refused: frozenset[GroundAtom] = frozenset()
-        self.may_think = False
-
-    def decide(self, view: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-        """Return what to send next."""
-        is_announced = view["phase"] == "question" and view["number"] == len(self.watched.steps)
-        if view["operator"] and (view["number"] > len(self.watched.steps) or is_announced):
-            self.watched.take(parse_action(view["operator"]))
-            self.may_think = view["phase"] == "question"
-        told = {"shown": view["shown"]} if view.get("shown") else {}
-        if view["phase"] == "question":
-            explicable = bool(self.watched.steps[-1].label)
-            return "/api/answer", {"number": view["number"], "explicable": explicable, **told}
-        asked = self._ask(view)
-        if asked is not None:
-            self.may_think = False
-            return "/api/command", {"operator": asked}
-        return "/api/step", {"number": view["number"]}
-
-    def _ask(self, view: dict[str, Any]) -> str | None:
-        possible = [command["operator"] for command in view["commands"] if command["is_possible"]]
-        must_ask = view["phase"] == "waiting"
-        if not possible or not (must_ask or (self.may_think and self.person.thinks_over())):
-            return None
-        self.may_think = False
-        chosen = self.person.choose(self.refused)
-        if chosen is not None and format_action(chosen) in possible:
-            return format_action(chosen)
-        return possible[0] if must_ask else None
 
 
 def _view(page: str) -> dict[str, Any]:

@@ -4,7 +4,7 @@ People and simulated participants are never counted together.
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 from explicable.errors import UsageError
 from explicable.labelling.annotators import krippendorff_alpha
 from explicable.study.materials import Materials
-from explicable.study.protocol import DEPARTURES, PARTS
+from explicable.study.progress import PartCount, TaskCount, count_parts, task_counts
 from explicable.study.records import (
     LabelRow,
     completion_codes,
@@ -27,19 +27,6 @@ from explicable.study.records import (
 from explicable.study.transaction import Transaction
 
 NUM_RESAMPLES = 1000
-
-
-@dataclass(frozen=True, slots=True)
-class TaskCount:
-    """How far a task has come in a condition."""
-
-    task: str
-    kind: str
-    source: str
-    condition: str
-    wanted: int
-    finished: int
-    under_way: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,28 +76,6 @@ class PlanScore:
     f_robot: float | None
     num_finished: int
     num_labels: int
-
-
-@dataclass(frozen=True, slots=True)
-class PartCount:
-    """How many have come to one part of the session, and what became of them there.
-
-    Attributes
-    ----------
-    reached
-        Who is there, has got further, or has ended there or later.
-    there
-        Who is there now.
-    left, timed_out, excluded
-        Who left from there, was silent there for too long, or misunderstood the instructions too often.
-    """
-
-    part: str
-    reached: int
-    there: int
-    left: int
-    timed_out: int
-    excluded: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +152,7 @@ def summarise(tx: Transaction, materials: Materials, origin: str) -> Summary:
         origin=origin,
         stages=stages,
         dropout=tuple(count_parts(stages, count_departures(tx, origin))),
-        tasks=tuple(_task_counts(tx, materials, origin)),
+        tasks=tuple(task_counts(materials, count_tasks(tx, origin))),
         num_labels=len(labels),
         scores=tuple(_score(source, rows, rng) for source, rows in sorted(by_source.items())),
         plans=tuple(_plan_scores(tx, materials, origin, labels)),
@@ -195,47 +160,6 @@ def summarise(tx: Transaction, materials: Materials, origin: str) -> Summary:
         median_latency_s=float(np.median(latencies)) if latencies else None,
         quality=tuple(_quality(tx, materials, origin, labels)),
     )
-
-
-def count_parts(stages: Mapping[str, int], departures: Mapping[tuple[str, str], int]) -> list[PartCount]:
-    """Count for each part of the session who got there, and who did not get further.
-
-    Parameters
-    ----------
-    stages
-        Sessions by the stage in which they are.
-    departures
-        Who ended before the end, by the stage and the event.
-
-    Examples
-    --------
-    >>> tasks = count_parts({"tasks": 2, "debrief": 3, "returned": 1}, {("tasks", "left"): 1})[3]
-    >>> tasks.reached, tasks.there, tasks.left
-    (6, 2, 1)
-    """
-    counts: list[PartCount] = []
-    reached = 0
-    for part in reversed(PARTS):
-        there = stages.get(part, 0)
-        left, timed_out, excluded = (departures.get((part, event), 0) for event in DEPARTURES)
-        reached += there + left + timed_out + excluded
-        counts.append(PartCount(part.value, reached, there, left, timed_out, excluded))
-    return counts[::-1]
-
-
-def _task_counts(tx: Transaction, materials: Materials, origin: str) -> list[TaskCount]:
-    done = count_tasks(tx, origin)
-    counts = []
-    for task in materials.study.task:
-        conditions = list(materials.conditions) if task.kind == "play" else [""]
-        for condition in conditions:
-            mine = [row for row in done if row.task == task.name and condition in {"", row.condition}]
-            finished = sum(row.num for row in mine if row.status == "done")
-            under_way = sum(row.num for row in mine if row.status in {"open", "started"})
-            counts.append(
-                TaskCount(task.name, task.kind, task.source, condition, task.people, finished, under_way)
-            )
-    return counts
 
 
 def _score(source: str, rows: Sequence[LabelRow], rng: np.random.Generator) -> SourceScore:
