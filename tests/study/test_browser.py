@@ -376,3 +376,26 @@ def test_clicking_twice_is_clicking_once(page, served):
     assert [operator for _, operator in steps if operator.startswith("(command")] == [steps[0][1]]
     labels = rows(folder, tables.LABELS)
     assert len(labels) == len(steps) - 1
+
+
+def test_a_request_whose_answer_is_lost_is_sent_again_and_carried_out_once(page, served):
+    folder, link, _ = served
+    page.add_init_script(
+        "const after = AbortSignal.timeout.bind(AbortSignal); let number = 0;"
+        "AbortSignal.timeout = (ms) => after(number++ ? ms : 100);"  # the first is given up soon
+    )
+    held = []
+
+    def hold_the_first(route):
+        held.append(route.fetch().status)  # it is carried out
+        if len(held) > 1:
+            route.fallback()
+
+    page.route("**/api/command", hold_the_first)
+    begin(page, link)
+    page.click("[data-room].possible")
+    until(page, "!pending && view.phase === 'question'")
+    assert held[0] == 200
+    assert len(held) > 1
+    assert [row.kind for row in rows(folder, tables.EVENTS)].count("commanded") == 1
+    play(page, *by_mouse(page))

@@ -14,6 +14,7 @@ let pending = 0;
 let isFinished = false;
 let ordered = "";
 
+const patienceMs = 60_000; // a robot that plans may take twenty seconds
 const newId = () => Array.from(crypto.getRandomValues(new Uint8Array(16)), (b) => b.toString(16).padStart(2, "0")).join("");
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
@@ -33,6 +34,7 @@ async function deliver(path, body) {
         method: "POST",
         headers: { "Content-Type": "application/json", "X-Token": main.dataset.token },
         body: JSON.stringify(body),
+        signal: AbortSignal.timeout(patienceMs),
       });
       if (response.ok) return show(await response.json());
       if (response.status === 409) {
@@ -44,7 +46,7 @@ async function deliver(path, body) {
       }
       if (response.status < 500 && response.status !== 429) return location.reload();
     } catch (error) {
-      if (!(error instanceof TypeError)) throw error;
+      if (!(error instanceof TypeError || error.name === "TimeoutError")) throw error;
     }
     part("status").textContent = main.dataset.lost;
     await pause(wait);
