@@ -5,7 +5,7 @@ variables are numbered by scope: the action's parameters, then those of the quan
 """
 
 from array import array
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from explicable.errors import UsageError
@@ -13,7 +13,6 @@ from explicable.model.problem import (
     ActionSchema,
     And,
     Atom,
-    Domain,
     Effect,
     Exists,
     Forall,
@@ -23,7 +22,7 @@ from explicable.model.problem import (
     Or,
     Parameter,
     Problem,
-    supertypes,
+    object_types,
 )
 
 _ATOM, _EQUALITY, _NOT, _AND, _OR, _EXISTS, _FORALL = range(7)
@@ -83,7 +82,7 @@ class _Encoder:
         self.predicate_numbers = {p.name: number for number, p in enumerate(domain.predicates)}
         self.functions = tuple(f for f in domain.functions if f.name != _TOTAL_COST)
         self.function_numbers = {f.name: number for number, f in enumerate(self.functions)}
-        self.members = _objects_by_type(domain, self.types)
+        self.members = _objects_by_type(problem)
         self.domains: dict[tuple[str, ...], int] = {}
         self.stream = array("i")
 
@@ -188,12 +187,9 @@ class _Encoder:
         return arguments, values
 
 
-def _objects_by_type(domain: Domain, objects: Mapping[str, tuple[str, ...]]) -> dict[str, list[int]]:
-    above: dict[tuple[str, ...], frozenset[str]] = {}
-    members: dict[str, list[int]] = {name: [] for name in ("object", *domain.types)}
-    for number, types in enumerate(objects.values()):
-        if types not in above:
-            above[types] = supertypes(domain, types)
-        for name in above[types]:
+def _objects_by_type(problem: Problem) -> dict[str, list[int]]:
+    members: dict[str, list[int]] = {name: [] for name in ("object", *problem.domain.types)}
+    for number, above in enumerate(object_types(problem).values()):
+        for name in above:
             members[name].append(number)
     return members

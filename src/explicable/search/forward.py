@@ -67,6 +67,7 @@ def search(
             plan is proved optimal or a limit is reached. With a scorer: the plan of least cost + alpha * dist
             (Eq. 3), by A* with lower bounds of what lies ahead, made by sweeps over all contexts where these
             are few enough (some 100 000).
+    initial_state, goal
         Where to start and what to reach, if not what the task says; the goal as facts or atoms.
     heuristic
         For ``"astar"`` (``"lmcut"``, ``"hmax"``, ``"blind"``, ``"tour"``) and ``"wastar"`` (``"ff"`` as
