@@ -69,6 +69,26 @@ def test_labels_that_are_all_alike_teach_with_a_warning(place, tmp_path):
     assert "all labels" not in explicable("train", "traces.jsonl", *options, cwd=place).err
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["traces", "check"],
+        ["train", "-o", "l.json"],
+        ["demo", "--traces"],
+        ["measure", *TASK, "plan", "--people"],
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_a_trace_that_cannot_be_executed_is_named_by_file_line_and_step(place, arguments):
+    good, bad = map(json.loads, (place / "traces.jsonl").read_text().splitlines()[:2])
+    bad["steps"][1]["operator"] = "(move r1 c-1-1 nowhere)"
+    (place / "blank.jsonl").write_text(f"{json.dumps(good)}\n\n{json.dumps(bad)}\n")
+    (place / "plan").touch()
+    done = explicable(*arguments, "blank.jsonl", cwd=place)
+    assert done.code == BAD_INPUT
+    assert done.err.startswith("explicable: blank.jsonl:3: step 2, (move r1 c-1-1 nowhere), names an unknown")
+
+
 @pytest.fixture
 def steps(place):
     """The first trace of the study as plain text, with a problem of its own."""

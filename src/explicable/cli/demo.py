@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER, read_labelled_traces
+from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER, naming_traces, read_labelled_traces
 
 if TYPE_CHECKING:
     from explicable.evaluation.demo import Record
@@ -43,7 +43,8 @@ def demo(out: Path, seed: int, traces_file: Path | None) -> None:
         def tell(part: str) -> None:
             progress.update(bar, description=part, advance=1)
 
-        result = run_demo(seed, traces=traces, tell=tell)
+        with naming_traces(*filter(None, [traces_file])):
+            result = run_demo(seed, traces=traces, tell=tell)
         progress.update(bar, description="drawing", advance=1)
         write_demo(result, out)
     _print_tables(result.records)

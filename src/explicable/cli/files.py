@@ -4,7 +4,7 @@ import functools
 import math
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -251,12 +251,38 @@ def read_labelled_traces(*files: Path) -> "list[Trace]":
     return traces
 
 
+def find_faults(file: Path, traces: "Sequence[Trace]") -> list[TraceError]:
+    """Execute the traces of a file, and list what is wrong, by line."""
+    from explicable.labelling import check_traces
+
+    faults = check_traces(traces, file)
+    lines = [number for number, line in enumerate(file.read_bytes().split(b"\n"), start=1) if line.strip()]
+    for fault in faults:
+        fault.line = None if fault.line is None else lines[fault.line - 1]
+    return faults
+
+
+@contextmanager
+def naming_traces(*files: Path) -> Iterator[None]:
+    """Let an error about a trace that can't be executed name its file and line."""
+    from explicable.labelling import read_traces
+
+    try:
+        yield
+    except (PlanError, TraceError) as error:
+        if error.path is None:
+            for fault in (fault for file in files for fault in find_faults(file, read_traces(file))):
+                raise fault from error
+        raise
+
+
 def read_human_model(file: Path) -> "HumanModel":
     """Learn from the traces of a file what people do; one in which nobody does anything is refused."""
     from explicable.planning import HumanModel
 
     try:
-        return HumanModel.learn(read_trace_files(file))
+        with naming_traces(file):
+            return HumanModel.learn(read_trace_files(file))
     except UsageError as error:
         raise TraceError(str(error), path=file) from error
 

@@ -11,6 +11,7 @@ from explicable.cli.files import (
     OUTPUT_FILE,
     OUTPUT_FOLDER,
     TeamProblemPaths,
+    find_faults,
     read_trace_files,
     team_problem_arguments,
 )
@@ -28,12 +29,12 @@ def traces() -> None:
 @trace_files
 def check(files: tuple[Path, ...]) -> int:
     """Check that every trace is well formed and that its steps can be executed in its problem."""
-    from explicable.labelling import check_traces, read_traces
+    from explicable.labelling import read_traces
 
     num_faults = 0
     for file in files:
         found = read_traces(file)
-        faults = check_traces(found, file)
+        faults = find_faults(file, found)
         if not found:
             faults = [TraceError("there is no trace in it", path=file)]
         for fault in faults:

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange, read_labelled_traces, warn
+from explicable.cli.files import (
+    INPUT_FILE,
+    OUTPUT_FILE,
+    FiniteRange,
+    naming_traces,
+    read_labelled_traces,
+    warn,
+)
 from explicable.cli.outcomes import json_option
 from explicable.cli.progress import is_watched
 
@@ -89,7 +96,7 @@ def train(
     if len(answers) == 1:
         warn(f"all labels say {'explicable' if True in answers else 'inexplicable'}: so will the labeller")
     validation = None
-    with _progress(1 + (num_folds or 0)) as tell:
+    with naming_traces(*files), _progress(1 + (num_folds or 0)) as tell:
         if num_folds is not None:
             validation = cross_validate(
                 traces,
