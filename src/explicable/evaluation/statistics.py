@@ -71,11 +71,6 @@ class Counts:
         if len(lengths) != 1 or not len(self.part):
             raise UsageError("counts need one part, whole, problem and participant for each observation")
 
-    @classmethod
-    def of_means(cls, values: Sequence[float], problems: Sequence[Hashable]) -> "Counts":
-        """Make counts whose ratio is the mean of values, clustered by problem."""
-        return cls(values, [1.0] * len(values), problems, [0] * len(values))
-
 
 def estimate(counts: Counts, *, num_draws: int = NUM_DRAWS) -> Estimate:
     """Estimate a pooled ratio, with an interval from the pigeonhole bootstrap.
