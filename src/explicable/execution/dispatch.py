@@ -253,14 +253,21 @@ class Dispatcher:
             self._progress.under_way[returned.number] = returned
         sent = self._progress.sent_to(name)
         if isinstance(report, Observation) or sent is None:
-            # What a robot sees of things in motion counts when its step is over; of what is fixed, at once.
-            self._seen[name] += [
-                fact for fact in facts_of(report) if fact.atom not in self._truth.stage.beliefs
-            ]
-            self._learn(fact for fact in facts_of(report) if fact.atom in self._truth.stage.beliefs)
-            if sent is None:
-                self._learn(self._seen.pop(name, []))
-            return
+            self._see(name, facts_of(report), is_moving=sent is not None)
+        else:
+            self._end(sent, report)
+
+    def _see(self, name: str, facts: Iterable[Fact], *, is_moving: bool) -> None:
+        """Take in what a robot sees: of fixed things at once, of things in motion when its step is over."""
+        fixed: list[Fact] = []
+        for fact in facts:
+            (fixed if fact.atom in self._truth.stage.beliefs else self._seen[name]).append(fact)
+        self._learn(fixed)
+        if not is_moving:
+            self._learn(self._seen.pop(name, []))
+
+    def _end(self, sent: Sent, report: Report) -> None:
+        """Let a step of the present plan end, well or not."""
         step = sent.step
         del self._progress.under_way[sent.number]
         self._history.append(Dispatched(step, sent.time_s, self._now(), report))
@@ -270,7 +277,7 @@ class Dispatcher:
             reason = "blocked" if isinstance(report, Blocked) else getattr(report, "reason", "")
             self._bring(Notice(Event.STEP_FAILED, step.action, reason=reason))
             self._is_outdated |= isinstance(report, Finished)  # it can't have been done, as far as is known
-        is_news = self._learn((*self._seen.pop(name, []), *facts_of(report)))
+        is_news = self._learn((*self._seen.pop(step.agent, []), *facts_of(report)))
         if isinstance(report, Failed) or (isinstance(report, Blocked) and not is_news):
             self._fail(sent)
 
