@@ -13,7 +13,7 @@ from starlette.types import ASGIApp
 
 from explicable.study.admin import Researchers
 from explicable.study.conduct import Conduct
-from explicable.study.interface import FrontDoor, add_interface
+from explicable.study.interface import FrontDoor, Interface
 from explicable.study.pages import Pages
 from explicable.study.refusals import Refusals
 from explicable.study.security import Guard, Keys, Limiter
@@ -68,7 +68,7 @@ def create_app(
         openapi_url="/api/openapi.json",
     )
     rate, refusals = 1e9 if trusts_floods else 1.0, Refusals(pages)
-    add_interface(app, server)
+    Interface(server).add_to(app)
     app.mount("/static", StaticFiles(directory=HERE / "static"))
     refusals.add_to(app)
     app.include_router(Visits(server).routes())

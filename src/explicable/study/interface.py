@@ -7,6 +7,8 @@ longer than to answer them.
 import asyncio
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any, get_type_hints
 
 from fastapi import FastAPI
@@ -110,78 +112,93 @@ class FrontDoor:
         await self.routes[scope["path"]].handle(scope, receive, send)
 
 
-def add_interface(app: FastAPI, server: Server) -> None:
-    """Add the interface's routes."""
-    conduct, views = server.conduct, server.views
-    has_teaming = any(condition.mode == "teaming" for condition in server.materials.study.conditions)
-    responses: dict[int | str, dict[str, Any]] = {
-        code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429, 503)
-    }
+@dataclass(frozen=True)
+class Interface:
+    """Answers what pages ask and send while a task is under way."""
 
-    @app.get("/api/view", response_model=View, responses=responses)
-    async def view(request: HTTPRequest) -> Response:
-        session = server.session(request)
-        return _json(await server.read(lambda tx: views.json(conduct.standing(tx, session))))
+    server: Server
 
-    async def think_ahead(session: str) -> None:
-        """Let the robot plan before the transaction in which it moves: nobody waits for a plan then.
+    def add_to(self, app: FastAPI) -> None:
+        """Let an application answer so."""
+        responses: dict[int | str, dict[str, Any]] = {
+            code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429, 503)
+        }
+        app.add_api_route("/api/view", self.view, response_model=View, responses=responses)
+        app.add_api_route("/api/changes", self.changes, include_in_schema=False)
+        for act in (self.step, self.answer, self.command):
+            app.router.add_api_route(
+                f"/api/{act.__name__}",
+                act,
+                methods=["POST"],
+                response_model=View,
+                responses=responses,
+                route_class_override=DirectRoute,
+            )
 
-        The transaction finds the plan, unless the task has gone on meanwhile: then it refuses the step.
-        """
-        standing = await server.read(lambda tx: conduct.standing(tx, session))
-        if standing.material is not None and standing.moment is not None and standing.is_teaming:
-            await asyncio.to_thread(standing.material.game.upcoming, standing.moment)
+    async def view(self, request: HTTPRequest) -> Response:
+        """Show the task as it stands."""
+        server, session = self.server, self.server.session(request)
+        return _json(await server.read(lambda tx: server.views.json(server.conduct.standing(tx, session))))
 
-    async def carry_out(request: HTTPRequest, job: Callable[[Transaction, str], Standing]) -> Response:
-        session = server.own_session(request, request.headers.get("x-token"))
-        try:
-            standing = await server.write(lambda tx: job(tx, session))
-        except UnknownSessionError:
-            raise
-        except ConflictError as error:
-            shown = await server.read(lambda tx: views.view(conduct.standing(tx, session)))
-            return _json(Problem(error=str(error), view=shown).model_dump_json(), 409)
-        if standing.is_teaming:
-            # The robot may plan now: aside, so that others need not wait.
-            return _json(await asyncio.to_thread(views.json, standing))
-        return _json(views.json(standing))
+    async def changes(self, request: HTTPRequest) -> Response:
+        """Tell, as long as the page is open, when its session has gone on elsewhere."""
+        stream = self.server.watch.listen(self.server.session(request), request.is_disconnected)
+        return StreamingResponse(stream, media_type="text/event-stream")
 
-    async def step(request: HTTPRequest, body: Move) -> Response:
-        asked = Request(body.request_id, time.time(), body.client_time)
-        if has_teaming:
-            await think_ahead(server.own_session(request, request.headers.get("x-token")))
-        return await carry_out(request, lambda tx, session: conduct.step(tx, session, asked, body.number))
+    async def step(self, request: HTTPRequest, body: Move) -> Response:
+        """Take the next step of the task."""
+        conduct, asked = self.server.conduct, Request(body.request_id, time.time(), body.client_time)
+        if self._has_teaming:
+            await self._think_ahead(self.server.own_session(request, request.headers.get("x-token")))
+        return await self._carry_out(
+            request, lambda tx, session: conduct.step(tx, session, asked, body.number)
+        )
 
-    async def answer(request: HTTPRequest, body: Answer) -> Response:
+    async def answer(self, request: HTTPRequest, body: Answer) -> Response:
+        """Label the step that is asked about."""
+        conduct = self.server.conduct
         asked = Request(body.request_id, time.time(), body.client_time, body.latency_s)
-        return await carry_out(
+        return await self._carry_out(
             request,
             lambda tx, session: conduct.answer(
                 tx, session, asked, body.number, explicable=body.explicable, shown=body.shown
             ),
         )
 
-    async def command(request: HTTPRequest, body: Order) -> Response:
-        asked = Request(body.request_id, time.time(), body.client_time)
-        return await carry_out(
+    async def command(self, request: HTTPRequest, body: Order) -> Response:
+        """Take a command of the person's."""
+        conduct, asked = self.server.conduct, Request(body.request_id, time.time(), body.client_time)
+        return await self._carry_out(
             request, lambda tx, session: conduct.command(tx, session, asked, body.operator, body.shown)
         )
 
-    for act in (step, answer, command):
-        app.router.add_api_route(
-            f"/api/{act.__name__}",
-            act,
-            methods=["POST"],
-            response_model=View,
-            responses=responses,
-            route_class_override=DirectRoute,
-        )
+    @cached_property
+    def _has_teaming(self) -> bool:
+        return any(condition.mode == "teaming" for condition in self.server.materials.study.conditions)
 
-    @app.get("/api/changes", include_in_schema=False)
-    async def changes(request: HTTPRequest) -> Response:
-        session = server.session(request)
-        stream = server.watch.listen(session, request.is_disconnected)
-        return StreamingResponse(stream, media_type="text/event-stream")
+    async def _think_ahead(self, session: str) -> None:
+        """Let the robot plan before the transaction in which it moves: nobody waits for a plan then.
+
+        The transaction finds the plan, unless the task has gone on meanwhile: then it refuses the step.
+        """
+        standing = await self.server.read(lambda tx: self.server.conduct.standing(tx, session))
+        if standing.material is not None and standing.moment is not None and standing.is_teaming:
+            await asyncio.to_thread(standing.material.game.upcoming, standing.moment)
+
+    async def _carry_out(self, request: HTTPRequest, job: Callable[[Transaction, str], Standing]) -> Response:
+        server, session = self.server, self.server.own_session(request, request.headers.get("x-token"))
+        try:
+            standing = await server.write(lambda tx: job(tx, session))
+        except UnknownSessionError:
+            raise
+        except ConflictError as error:
+            shown = await server.read(lambda tx: server.views.view(server.conduct.standing(tx, session)))
+            message = server.materials.language.text(str(error))
+            return _json(Problem(error=message, view=shown).model_dump_json(), 409)
+        if standing.is_teaming:
+            # The robot may plan now: aside, so that others need not wait.
+            return _json(await asyncio.to_thread(server.views.json, standing))
+        return _json(server.views.json(standing))
 
 
 def _json(text: str, status: int = 200) -> Response:
