@@ -9,12 +9,13 @@ makes the other superfluous only if it costs no more, too.
 
 from typing import TYPE_CHECKING
 
-from explicable.model.team import TeamTask
 from explicable.planning.planner import plan_explicably
 from explicable.planning.team_plan import TeamPlan
 
 if TYPE_CHECKING:
+    from explicable.model.team import TeamTask
     from explicable.labelling import Labeller
+    from explicable.labelling.features import TeamFeatures
 
 DECISIVE = 1e4
 """Stands for an infinite alpha: of plans with as many inexplicable steps the cheapest is taken, and what
@@ -22,7 +23,7 @@ explains less than this part of a step is not worth one unit of cost."""
 
 
 def plan_most_explicably(
-    team_task: TeamTask,
+    team_task: "TeamTask | TeamFeatures",
     labeller: "Labeller",
     max_cost: int | None = None,
     *,
@@ -35,6 +36,8 @@ def plan_most_explicably(
 
     Parameters
     ----------
+    team_task
+        As in `plan_explicably`.
     max_cost
         None: whatever it costs.
     improve_s, time_limit_s, max_evaluations

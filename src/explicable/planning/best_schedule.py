@@ -19,6 +19,7 @@ class BestSchedule:
         self, team_task: TeamTask, durations: Durations, labeller: "Labeller | None", alpha: float
     ) -> None:
         self.team_task, self.durations, self.labeller, self.alpha = team_task, durations, labeller, alpha
+        self.features = labeller.features(team_task) if labeller else None
         self.schedule: Schedule | None = None
         self.labelled: LabelledPlan | None = None
         self.objective = self.least_makespan = math.inf
@@ -28,7 +29,9 @@ class BestSchedule:
         """Take a plan if it is better, or as good and shorter, once superfluous steps are gone."""
         schedule = self._lean(self._schedule(actions))
         self.least_makespan = min(self.least_makespan, schedule.makespan)
-        labelled = self.labeller.label(self.team_task, schedule.actions) if self.labeller else None
+        labelled = None
+        if self.labeller and self.features:
+            labelled = self.labeller.label(self.features, schedule.actions)
         objective = schedule_objective(schedule, labelled, self.alpha)
         if (objective, len(schedule.steps)) < (self.objective, self.num_steps):
             self.schedule, self.labelled = schedule, labelled

@@ -73,6 +73,7 @@ def plan_within_budget(
     """
     choose((), max_cost_increase=max_cost_increase, min_explicability=min_explicability)  # refused at once
     deadline = math.inf if time_limit_s is None else time.monotonic() + time_limit_s
+    features = labeller.features(team_task)
     searches: list[TeamPlan] = []
 
     def left_s() -> float | None:
@@ -81,7 +82,7 @@ def plan_within_budget(
     def solve(max_cost: int | None) -> TeamPlan:
         searches.append(
             plan_most_explicably(
-                team_task,
+                features,
                 labeller,
                 max_cost,
                 improve_s=search_s,
@@ -108,7 +109,7 @@ def plan_within_budget(
         chosen = solve(math.floor((1 + max_cost_increase) * cheapest.plan.cost + ROUNDING))
     else:
         chosen = _cheapest_of(solve, cheapest.plan.cost, min_explicability or 0.0, left_s)
-    if chosen.plan is None or _share(chosen) < (min_explicability or 0.0):
+    if chosen.plan is None or chosen.explicability < (min_explicability or 0.0):
         chosen = replace(chosen, outcome=Outcome.LIMIT, plan=None, labelled=None, objective=None)
     interrupted = any(found.outcome is Outcome.INTERRUPTED for found in searches)
     return replace(
@@ -130,25 +131,18 @@ def _cheapest_of(
     low = cheapest
     while (
         best.plan is not None
-        and _share(best) >= min_explicability
+        and best.explicability >= min_explicability
         and low < best.plan.cost
         and best.outcome is not Outcome.INTERRUPTED
         and left_s() != 0.0
     ):
         limit = (low + best.plan.cost - 1) // 2
         found = solve(limit)
-        if found.plan is not None and _share(found) >= min_explicability:
+        if found.plan is not None and found.explicability >= min_explicability:
             best = found
         else:
             low = limit + 1
     return best
-
-
-def _share(found: TeamPlan) -> float:
-    """Return ``E[F]`` of a plan; 1 for one without steps."""
-    if found.plan is None or found.labelled is None or not found.plan.steps:
-        return 1.0
-    return found.labelled.scores.f_expected or 0.0
 
 
 def choose(

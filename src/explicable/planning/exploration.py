@@ -90,6 +90,7 @@ def explore(
     if check_alpha(max_alpha) < SMALLEST_ALPHA:
         raise UsageError(f"the largest alpha must be at least {SMALLEST_ALPHA}, not {max_alpha}")
     deadline = math.inf if time_limit_s is None else time.monotonic() + time_limit_s
+    features = labeller.features(team_task)
     pool = Pool()
 
     def left_s() -> float:
@@ -99,7 +100,7 @@ def explore(
         limit_s = None if deadline == math.inf else left_s()
         pool.add(
             plan_explicably(
-                team_task, labeller, alpha=alpha, improve_s=search_s, time_limit_s=limit_s, seed=seed
+                features, labeller, alpha=alpha, improve_s=search_s, time_limit_s=limit_s, seed=seed
             ),
             alpha,
         )
@@ -123,7 +124,7 @@ def explore(
         pool.add_within(
             max_cost,
             plan_most_explicably(
-                team_task, labeller, max_cost, improve_s=search_s, time_limit_s=limit_s, seed=seed
+                features, labeller, max_cost, improve_s=search_s, time_limit_s=limit_s, seed=seed
             ),
         )
     return pool

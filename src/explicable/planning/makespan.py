@@ -135,7 +135,12 @@ def plan_schedule(
     if labeller is not None:
         share_s = _SHARE_OF_EXPLICABLE * time_limit_s
         expected = plan_explicably(
-            team_task, labeller, alpha=alpha, time_limit_s=share_s, improve_s=share_s, seed=seed
+            best.features or team_task,
+            labeller,
+            alpha=alpha,
+            time_limit_s=share_s,
+            improve_s=share_s,
+            seed=seed,
         )
         if expected.plan is not None:
             best.consider(expected.plan.actions)

@@ -177,10 +177,14 @@ def _front_plan(found: TeamPlan) -> FrontPlan | None:
     """Make of a search's plan one whose place on the front is not known yet."""
     if found.plan is None or found.labelled is None:
         return None
-    share = 1.0 if not found.plan.steps else found.labelled.scores.f_expected or 0.0
     is_best = found.objective is not None and found.lower_bound >= found.objective * (1 - ROUNDING)
     return FrontPlan(
-        found.plan, found.labelled, len(found.plan) * (1.0 - share), None, None, is_proved=is_best
+        found.plan,
+        found.labelled,
+        len(found.plan) * (1.0 - found.explicability),
+        None,
+        None,
+        is_proved=is_best,
     )
 
 

@@ -89,10 +89,8 @@ def rank(
     >>> [plan.number for plan in ranked], ranked[-1].objection
     ([1, 0, 2], 'step 2, (visit-room r1 c-0-2), lacks (commanded c-0-2)')
     """
-    from explicable.labelling.features import TeamFeatures
-
     check_alpha(alpha)
-    features = TeamFeatures(team_task)
+    features = labeller.features(team_task)
     ranked = [
         _judge(features, labeller, human_model, number, tuple(actions), alpha)
         for number, actions in enumerate(plans)

@@ -62,6 +62,13 @@ class TeamPlan:
     limit: str | None = None
     predicted: "PredictedSteps | None" = None
 
+    @property
+    def explicability(self) -> float:
+        """``E[F]`` of the plan; 1 for one without steps or labels."""
+        if self.plan is None or self.labelled is None or not self.plan.steps:
+            return 1.0
+        return self.labelled.scores.f_expected or 0.0
+
     def _repr_html_(self) -> str:
         """Let a notebook show the plan: its steps, and how probably each is expected."""
         if self.plan is None:
