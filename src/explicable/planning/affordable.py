@@ -13,9 +13,9 @@ from explicable.planning.planner import plan_explicably
 from explicable.planning.team_plan import TeamPlan
 
 if TYPE_CHECKING:
-    from explicable.model.team import TeamTask
     from explicable.labelling import Labeller
     from explicable.labelling.features import TeamFeatures
+    from explicable.model.team import TeamTask
 
 DECISIVE = 1e4
 """Stands for an infinite alpha: of plans with as many inexplicable steps the cheapest is taken, and what
