@@ -52,13 +52,28 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """One question: its answers in a sentence each, computed from the figures, and what they rest on."""
+    """One question: its answers in a sentence each, computed from the figures, and what they rest on.
+
+    The headline stands for the section at the top of the page: the first answer, unless another is given.
+    """
 
     name: str
     question: str
     answers: tuple[str, ...]
     tables: tuple[Table, ...] = ()
     pictures: tuple[Picture, ...] = ()
+    headline: str = ""
+
+    @property
+    def in_short(self) -> str:
+        """The headline.
+
+        Examples
+        --------
+        >>> Section("cost", "What does it cost?", ("Little.", "On maps, nothing.")).in_short
+        'Little.'
+        """
+        return self.headline or next(iter(self.answers), "")
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +129,7 @@ def render_html(page: Page) -> str:
 
 
 def render_markdown(page: Page) -> str:
-    """Return the same as Markdown, without the figures; the first answer to each question comes first.
+    """Return the same as Markdown, without the figures; the headlines come first.
 
     Examples
     --------
@@ -124,8 +139,10 @@ def render_markdown(page: Page) -> str:
     """
     lines = [f"# {page.title}", "", page.summary, ""]
     lines += [f"- {name}: {value}" for name, value in page.facts.items()]
-    first = [f"- **{section.question}** {section.answers[0]}" for section in page.sections if section.answers]
-    lines += ["", *first] if first else []
+    in_short = [
+        f"- **{section.question}** {section.in_short}" for section in page.sections if section.answers
+    ]
+    lines += ["", *in_short] if in_short else []
     for section in page.sections:
         lines += ["", f"## {section.question}", "", *(f"- {answer}" for answer in section.answers)]
         for table in section.tables:

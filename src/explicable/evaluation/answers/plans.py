@@ -45,6 +45,8 @@ TITLES = {
     "ceiling": "ceiling: best to the judges, their minds known",
     "participants": "participants' own",
 }
+HEADLINES = ("explicable", "paper")
+"""The plans of which a section's headline speaks."""
 MIN_GAIN, MAX_EXTRA = 0.10, 0.05
 """What the paper's effect comes to: so much more F than FF's plan, at so much more cost than the shortest."""
 
@@ -61,14 +63,27 @@ def answer(experiment: Experiment, records: Sequence[Record]) -> Section:
     cells = {cell: group(found, "plan") for cell, found in group(rows, "cell").items()}
     is_paper = any("steps" in row for row in rows)
     effects = _effects(cells)
+    answers = list(_answers(effects) if effects else _gains_in_words(cells))
     tables = [*(paper_tables(rows) if is_paper else ()), *([_effect_table(effects)] if effects else ())]
     return Section(
         experiment.name,
         experiment.question,
-        tuple(_answers(effects)) if effects else tuple(_gains_in_words(cells)),
+        tuple(text for _, text in answers),
         (*tables, _scores(cells), _differences(cells)),
         (*_pictures(cells), *(paper_pictures(rows) if is_paper else ())),
+        _headline(answers),
     )
+
+
+def _headline(answers: Sequence[tuple[str, str]]) -> str:
+    """Say what the planner does by default, and beside it what it does as in the paper.
+
+    Examples
+    --------
+    >>> _headline([("paper", "Little."), ("explicable", "Much."), ("explicable", "Much, elsewhere.")])
+    'Much. Little.'
+    """
+    return " ".join(dict(reversed(answers))[name] for name in HEADLINES if name in dict(answers))
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,8 +116,8 @@ def _gains(rows: Sequence[Row], others: Sequence[Row]) -> tuple[Estimate, Estima
     return by_labeller, estimate_difference(judged(rows), judged(others))
 
 
-def _answers(effects: Sequence[_Effect]) -> Iterator[str]:
-    """Say of each planner in how many cells each part of the paper's effect is reached."""
+def _answers(effects: Sequence[_Effect]) -> Iterator[tuple[str, str]]:
+    """Say of each planner, by name, in how many cells each part of the paper's effect is reached."""
     for name in dict.fromkeys(effect.name for effect in effects):
         mine = [effect for effect in effects if effect.name == name]
         above_ff = [sum(effect.over_ff[who].value >= MIN_GAIN for effect in mine) for who in (0, 1)]
@@ -110,15 +125,16 @@ def _answers(effects: Sequence[_Effect]) -> Iterator[str]:
         num_short = sum(effect.extra.value <= MAX_EXTRA for effect in mine)
         cells = f"of {len(mine)} cell{'s' if len(mine) > 1 else ''}"
         yield (
+            name,
             f"Plan “{TITLES[name]}”: F is at least 0.10 above that of FF's plan in {above_ff[0]} {cells} to"
             f" the labeller, in {above_ff[1]} to participants who judge; at least that of participants' own"
             f" plans in {above_own[0]} and {above_own[1]}; at most 5 % longer than the shortest in"
-            f" {num_short}."
+            f" {num_short}.",
         )
 
 
-def _gains_in_words(cells: _Cells) -> Iterator[str]:
-    """Say what each explicable planner gains over FF's plan, and at what length."""
+def _gains_in_words(cells: _Cells) -> Iterator[tuple[str, str]]:
+    """Say, by name, what each explicable planner gains over FF's plan, and at what length."""
     for cell, plans in cells.items():
         for name, rows in plans.items():
             if name in {"ff", "shortest", "participants"} or "ff" not in plans:
@@ -130,7 +146,7 @@ def _gains_in_words(cells: _Cells) -> Iterator[str]:
             if "shortest" in plans:
                 extra = _percent(_extra_cost(rows, plans["shortest"]))
                 text += f", and is {format_estimate(extra, 1, ' %')} longer than the shortest"
-            yield f"{text}."
+            yield name, f"{text}."
 
 
 def _effect_table(effects: Sequence[_Effect]) -> Table:
