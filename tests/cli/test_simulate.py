@@ -55,3 +55,38 @@ def test_a_game_that_leads_nowhere_is_said(tmp_path):
     done = explicable(tmp_path, "simulate", FILES[0], "cut-off.pddl", "-o", "traces")
     assert done.returncode == 0
     assert "warning: 1 of 1 games: nobody knew how to go on" in done.stderr
+
+
+def test_a_plan_unlike_all_games_is_warned_of_until_people_have_labelled_it(tmp_path):
+    play = ["simulate", *FILES, *HUMAN, "--way", "commanded", "--num", "4", "-o", "games"]
+    assert explicable(tmp_path, *play).returncode == 0
+    assert explicable(tmp_path, "plan", *FILES, *HUMAN, "--search", "ff", "-o", "ff.plan").returncode == 0
+    shown = explicable(
+        tmp_path, "simulate", *FILES, *HUMAN, "--plan", "ff.plan", "--num", "3", "-o", "watched"
+    )
+    assert shown.returncode == 0, shown.stderr
+    traces = read_traces(tmp_path / "watched")
+    assert not check_traces(traces)
+    assert [trace.annotator[-1] for trace in traces] == ["1", "2", "3"]
+    assert len({trace.actions for trace in traces}) == 1
+    unfamiliar = {}
+    for name, learned in (("before", ["games"]), ("after", ["games", "watched"])):
+        assert explicable(tmp_path, "train", *learned, "--bootstrap", "0", "-o", name).returncode == 0
+        done = explicable(tmp_path, "label", name, *FILES, "ff.plan", *HUMAN, "--json")
+        unfamiliar[name] = sum(step["unfamiliar"] for step in json.loads(done.stdout)["steps"])
+        assert ("show something that no trace showed" in done.stderr) == (name == "before")
+        options = ["--planner", "ff", "--search", "ff", "--labeller", name, "--json"]
+        planned = explicable(tmp_path, "plan", *FILES, *HUMAN, *options)
+        assert json.loads(planned.stdout)["num_unfamiliar"] == unfamiliar[name]
+        assert ("show something that no trace showed" in planned.stderr) == (name == "before")
+    assert unfamiliar["before"] > 10
+    assert unfamiliar["after"] == 0
+
+
+def test_what_can_not_be_shown_is_refused(tmp_path):
+    (tmp_path / "odd.plan").write_text("(send scout summit mesa)\n")
+    done = explicable(tmp_path, "simulate", *FILES, *HUMAN, "--plan", "odd.plan", "-o", "x")
+    assert (done.returncode, (tmp_path / "x").exists()) == (3, False)
+    assert "odd.plan:1" in done.stderr
+    done = explicable(tmp_path, "simulate", *FILES, "--plan", "odd.plan", "--way", "mixed", "-o", "x")
+    assert done.returncode == 2

@@ -17,7 +17,7 @@ from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
 
 if TYPE_CHECKING:
-    from explicable.labelling import Labeller, Trace
+    from explicable.labelling import LabelledPlan, Labeller, Trace
     from explicable.model.team import TeamTask
     from explicable.planning import HumanModel, Telling
 
@@ -170,6 +170,20 @@ def load_labeller(path: Path, problem: TeamProblem) -> "Labeller":
     if unknown := labeller.unknown_schemas(problem):
         warn(f"{path}: the labeller has never seen {', '.join(unknown)}: what it says of these is a guess")
     return labeller
+
+
+UNFAMILIAR_SHARE = 1 / 3
+"""Of the robots' steps: where more show what nobody has labelled, a plan is unlike those that were."""
+
+
+def warn_of_unfamiliar(plan: "LabelledPlan | None") -> None:
+    """Warn if a plan, if there is one, is unlike those from which the labeller learned."""
+    number, num_steps = (sum(plan.unfamiliar), sum(plan.is_robot)) if plan else (0, 0)
+    if number > UNFAMILIAR_SHARE * num_steps:
+        warn(
+            f"{number} of the robots' {num_steps} steps show something that no trace showed in training:"
+            " what people make of this plan is a guess; let some label it, and train on that as well"
+        )
 
 
 def read_steps(path: Path, problem: TeamProblem) -> tuple[GroundAtom, ...]:

@@ -13,6 +13,7 @@ from explicable.cli.files import (
     naming_plan,
     read_steps,
     team_problem_arguments,
+    warn_of_unfamiliar,
 )
 from explicable.cli.outcomes import json_option
 from explicable.model.plan import format_action
@@ -35,6 +36,7 @@ def label(
     labeller = load_labeller(labeller_file, team_task.problem)
     with naming_plan(plan_file, team_task.problem):
         labelled = labeller.label(team_task, read_steps(plan_file, team_task.problem))
+    warn_of_unfamiliar(labelled)
     reasons = labeller.explain(labelled) if explain else None
     if as_json:
         click.echo(json.dumps(describe(labelled, reasons)))
@@ -47,9 +49,14 @@ def describe(
 ) -> dict[str, Any]:
     """The object that `label --json` prints."""
     steps = [
-        {"action": format_action(action), "explicable": label, "probability": probability}
-        for action, label, probability in zip(
-            labelled.actions, labelled.labels, labelled.probabilities, strict=True
+        {
+            "action": format_action(action),
+            "explicable": label,
+            "probability": probability,
+            "unfamiliar": unfamiliar,
+        }
+        for action, label, probability, unfamiliar in zip(
+            labelled.actions, labelled.labels, labelled.probabilities, labelled.unfamiliar, strict=True
         )
     ]
     if labelled.task_labels != labelled.labels:

@@ -17,6 +17,7 @@ from explicable.cli.files import (
     load_labeller,
     team_problem_arguments,
     warn_of_hopeless,
+    warn_of_unfamiliar,
 )
 from explicable.cli.outcomes import exit_code
 from explicable.cli.prices import HumanSteps, human_step_options, improvement_options, show_progress
@@ -178,6 +179,7 @@ def plan(
             on_better=show_progress(),
             **limits,
         )
+    warn_of_unfamiliar(result.labelled)
     text = format_plan(result.plan.actions, result.plan.cost) if result.plan is not None else None
     if output and text:
         write_whole(output, text)
@@ -257,6 +259,7 @@ def describe(result: "TeamPlan", times: dict[str, float]) -> dict[str, Any]:
         "objective": result.objective,
         "lower_bound": result.lower_bound if result.lower_bound < float("inf") else None,
         "scores": scores,
+        "num_unfamiliar": None if result.labelled is None else sum(result.labelled.unfamiliar),
         "f_human": None if result.predicted is None else result.predicted.f_human,
         "human_surprise": None if result.predicted is None else result.predicted.surprise,
         "evaluations": result.evaluations,

@@ -1,12 +1,20 @@
 """`explicable simulate`: labelled traces of any team problem, from simulated participants."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, TeamProblemPaths, team_problem_arguments
+from explicable.cli.files import (
+    INPUT_FILE,
+    OUTPUT_FILE,
+    TeamProblemPaths,
+    naming_plan,
+    read_steps,
+    team_problem_arguments,
+)
 from explicable.cli.progress import working
 
 if TYPE_CHECKING:
@@ -72,13 +80,50 @@ def play_and_write(problems: "Iterable[TeamProblem]", family: "Family", output: 
 @team_problem_arguments
 @click.option("--num", type=click.IntRange(min=1), default=1, show_default=True, help="Number of traces.")
 @way_option
+@click.option(
+    "--plan",
+    "plan_files",
+    type=INPUT_FILE,
+    multiple=True,
+    help="Let them watch and label this plan in the place of playing; may be repeated.",
+)
 @participant_options
 def simulate(
-    paths: TeamProblemPaths, num: int, way: str, family: str, families: Path | None, seed: int, output: Path
+    paths: TeamProblemPaths,
+    num: int,
+    way: str,
+    plan_files: tuple[Path, ...],
+    family: str,
+    families: Path | None,
+    seed: int,
+    output: Path,
 ) -> None:
     """Let simulated participants play the team problem DOMAIN PROBLEM with robots and label their steps.
 
     Simulated participants are test instruments: what they say is no evidence about people.
     """
     who = find_family(family, families)
-    play_and_write([paths.ground().problem], who, output, num_traces=num, seed=seed, way=way)
+    if plan_files:
+        if click.get_current_context().get_parameter_source("way") is ParameterSource.COMMANDLINE:
+            raise click.UsageError("--way says how they play; with --plan they only watch")
+        _show_and_write(paths, plan_files, who, output, num_traces=num, seed=seed)
+    else:
+        play_and_write([paths.ground().problem], who, output, num_traces=num, seed=seed, way=way)
+
+
+def _show_and_write(
+    paths: TeamProblemPaths, plan_files: Sequence[Path], family: "Family", output: Path, **options: Any
+) -> None:
+    from explicable.execution import show
+    from explicable.labelling import write_traces
+
+    team_task = paths.ground()
+    plans = []
+    for path in plan_files:
+        with naming_plan(path, team_task.problem):
+            plans.append(read_steps(path, team_task.problem))
+            team_task.task.execute(plans[-1])
+    with working("showing"):
+        traces = show(team_task.problem, plans, family, **options)
+    write_traces(output, traces)
+    click.echo(f"{output}: plans labelled by simulated participants: {len(traces)}", err=True)

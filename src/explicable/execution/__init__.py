@@ -25,6 +25,7 @@ from explicable.execution.recognition import PersonFilter
 from explicable.execution.records import EpisodeRecord, Replay, record, replay
 from explicable.execution.runs import Limits, Run
 from explicable.execution.setting import Setting, prepare
+from explicable.execution.showing import show
 
 __all__ = [
     "ClosedLoop",
@@ -63,6 +64,7 @@ __all__ = [
     "record",
     "replay",
     "run",
+    "show",
     "simulate",
     "simulate_study",
     "write_episode",

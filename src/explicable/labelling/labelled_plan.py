@@ -33,6 +33,9 @@ class LabelledPlan:
         inexplicable, True for explicable without a task named. The same as `labels` where none did.
     features
         Of each step, by name; none for human steps.
+    unfamiliar
+        Whether each step shows something that no trace showed in training: what people make of it is a guess.
+        False for human steps, and where features are ground symbols.
     scores
         Explicability in all variants, the weights taken for granted.
     models
@@ -45,6 +48,7 @@ class LabelledPlan:
     labels: tuple[bool, ...]
     task_labels: tuple[bool | str, ...]
     features: tuple[tuple[str, ...], ...]
+    unfamiliar: tuple[bool, ...]
     scores: PlanScores
     models: tuple[ConditionalRandomField, ...] = field(repr=False, compare=False)
 

@@ -231,6 +231,7 @@ class Labeller:
             labels=tuple(bool(label) for label in labels),
             task_labels=tuple(task_labels),
             features=tuple(rows),
+            unfamiliar=tuple(self.symbols == "lifted" and not self._familiar.issuperset(row) for row in rows),
             scores=score_plan(self.model, rows, is_robot, is_asked=is_robot),
             models=self.bootstrap or (self.model,),
         )
@@ -350,6 +351,11 @@ class Labeller:
     def _names(self) -> set[str]:
         """The names of objects that the model knows, of ground symbols such as ``2=kitchen``."""
         return {name.partition("=")[2] for name in self.model.feature_names_ if "=" in name}
+
+    @cached_property
+    def _familiar(self) -> frozenset[str]:
+        """The features that occurred in training."""
+        return frozenset(self.model.feature_names_)
 
     @cached_property
     def _evidence(self) -> dict[str, float]:
