@@ -8,16 +8,23 @@ import numpy as np
 
 from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.trials.plans import PLANNERS, Knowledge
-from explicable.evaluation.trials.training import JUDGING, PLAYING, draw_participants, find_family, train
-from explicable.execution import judge, prepare, simulate, simulate_study
+from explicable.evaluation.trials.training import (
+    JUDGING,
+    PLAYING,
+    draw_participants,
+    find_family,
+    label_plans,
+    train,
+)
+from explicable.execution import StudyWay, judge, prepare, simulate, simulate_study
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
 from explicable.pddl import read_team_problem
 from explicable.planning import HumanModel
 
 FILES = ("domain.pddl", "problem.pddl", "human-domain.pddl", "human-problem.pddl")
-BUILTIN = ("rover-survey", "warehouse")
-"""Team problems of the package; docs and examples show them at work."""
+BUILTIN = ("rover-survey", "warehouse", "mast-inspection")
+"""Team problems of the package; the examples show the first two at work."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +39,11 @@ class Settings:
         Of all participants.
     num_traces
         To learn from, all of the same problem.
+    way
+        In which these games are played: ``commanded``, or ``mixed`` with games in which the robots go ahead
+        unasked, as they do in many plans.
+    num_own_plans
+        Plans of planners, for the same problem, that participants have labelled too.
     num_judges
         Who judge the plans, and have had no part in training.
     alpha
@@ -43,6 +55,8 @@ class Settings:
     problem: str = "rover-survey"
     family: str = "mission"
     num_traces: int = 8
+    way: StudyWay = "commanded"
+    num_own_plans: int = 0
     num_judges: int = 3
     plans: tuple[str, ...] = ("ff", "greedy")
     alpha: float = 1.0
@@ -54,12 +68,18 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
     team, setting = ground_team(problem), prepare(problem)
     family = find_family(settings.family)
     chance = int(np.random.default_rng(seed).integers(2**31))
-    episodes = simulate_study([problem], family, num_traces=settings.num_traces, seed=chance)
-    labeller = train([episode.trace for episode in episodes])
+    episodes = simulate_study(
+        [problem], family, num_traces=settings.num_traces, seed=chance, way=settings.way
+    )
+    traces = [episode.trace for episode in episodes]
+    labeller = train(traces)
+    if settings.num_own_plans:
+        own = label_plans(seed, settings.family, [problem], labeller, settings.num_own_plans)
+        labeller = train([*traces, *own])
     judges = draw_participants(seed, settings.family, settings.num_judges + 1)
     game = simulate(setting, judges[-1], np.random.default_rng((*seed, PLAYING)))
     plans = {"participants": game.trace.actions}
-    known = Knowledge(labeller, HumanModel.learn([episode.trace for episode in episodes]), settings.alpha)
+    known = Knowledge(labeller, HumanModel.learn(traces), settings.alpha)
     searches = {name: PLANNERS[name](team, known) for name in settings.plans}
     plans |= {name: found.plan.actions for name, found in searches.items() if found.plan is not None}
     rows = []

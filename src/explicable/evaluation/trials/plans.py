@@ -21,6 +21,7 @@ from explicable.evaluation.trials.training import (
     label_plans,
     read_study,
     train,
+    training_problems,
     training_traces,
 )
 from explicable.execution import Participant, Setting, StudyWay, judge, prepare, simulate
@@ -165,7 +166,8 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
         traces, games = _simulated_traces(settings, seed), {}
     labeller = train(traces, settings.symbols, settings.num_copies)
     if settings.num_own_plans:
-        own = label_plans(seed, settings.family, settings.semantics, labeller, settings.num_own_plans)
+        places = training_problems(settings.semantics)
+        own = label_plans(seed, settings.family, places, labeller, settings.num_own_plans)
         labeller = train([*traces, *own], settings.symbols, settings.num_copies)
     known = Knowledge(labeller, HumanModel.learn(traces), settings.alpha)
     judges = draw_participants(seed, settings.judges or settings.family, settings.num_judges)

@@ -23,7 +23,7 @@ from explicable.labelling import Labeller, Trace, read_traces
 from explicable.labelling.traces import problem_checksum, split_traces
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
-from explicable.planning import plan_classically, plan_explicably
+from explicable.planning import TeamPlan, plan_classically, plan_explicably
 
 TRAINING, TESTING, JUDGING, PLAYING, LABELLING = range(5)
 """Streams of chance of one trial: the seed's third number."""
@@ -53,7 +53,7 @@ def training_traces(
         How they play, see `explicable.execution.simulate_study`. Commanded play alone never shows a robot
         that goes ahead unasked; under exclusive commands there is none, and the two are the same.
     """
-    problems = [encode(world, semantics) for world in builtin_maps("training").values()]
+    problems = training_problems(semantics)
     who = find_family(family)
     if noise >= 0:
         ranges = {name: ends for name, ends in who.ranges.items() if name != "noise"}
@@ -61,6 +61,11 @@ def training_traces(
     chance = int(np.random.default_rng((*seed, TRAINING)).integers(2**31))
     episodes = simulate_study(problems, who, num_traces=num_traces, seed=chance, way=way)
     return [episode.trace for episode in episodes]
+
+
+def training_problems(semantics: Semantics) -> list[TeamProblem]:
+    """Return the maps that participants play and label, as team problems."""
+    return [encode(world, semantics) for world in builtin_maps("training").values()]
 
 
 def read_study(path: str, held: "Sequence[HeldOutProblem]") -> tuple[list[Trace], dict[str, list[Trace]]]:
@@ -85,30 +90,36 @@ def read_study(path: str, held: "Sequence[HeldOutProblem]") -> tuple[list[Trace]
 
 
 def label_plans(
-    seed: tuple[int, int], family: str, semantics: Semantics, labeller: Labeller, num: int
+    seed: tuple[int, int], family: str, problems: Sequence[TeamProblem], labeller: Labeller, num: int
 ) -> list[Trace]:
-    """Let participants label plans for the training maps: FF's and explicable ones, in turns.
+    """Let participants label plans, FF's and explicable ones in turns, for one problem after another.
 
-    Games in which the robot follows the person show only a part of what a planner may think of.
+    Games in which the robot follows the person show only a part of what a planner may think of. Each of up to
+    eight participants labels the plans of two problems, or, if there is but one, the two plans for it.
     """
     traces = []
-    problems = [encode(world, semantics) for world in builtin_maps("training").values()]
     people = [
         find_family(family).draw(2000 + k, np.random.default_rng((*seed, LABELLING, k))) for k in range(8)
     ]
+    num_each = 4 if len(problems) > 1 else 2
+    plans: dict[tuple[int, bool], TeamPlan] = {}
     for number in range(num):
-        problem, person = problems[number // 2 % len(problems)], people[number // 4 % len(people)]
-        team = ground_team(problem)
-        planned = (
-            plan_explicably(team, labeller, improve_s=math.inf, max_evaluations=PROOF_EVALUATIONS)
-            if number % 2
-            else plan_classically(team, algorithm="ff")
-        )
-        if planned.plan is not None:
+        place, is_explicable = number // 2 % len(problems), number % 2 == 1
+        if (place, is_explicable) not in plans:
+            plans[place, is_explicable] = _plan(problems[place], labeller, is_explicable)
+        planned, person = plans[place, is_explicable].plan, people[number // num_each % len(people)]
+        if planned is not None:
             rng = np.random.default_rng((*seed, LABELLING, 1000 + number))
-            steps = judge(prepare(problem), person, planned.plan.actions, rng)
-            traces.append(Trace(problem, steps, person.name, "simulated"))
+            steps = judge(prepare(problems[place]), person, planned.actions, rng)
+            traces.append(Trace(problems[place], steps, person.name, "simulated"))
     return traces
+
+
+def _plan(problem: TeamProblem, labeller: Labeller, is_explicable: bool) -> TeamPlan:
+    team = ground_team(problem)
+    if not is_explicable:
+        return plan_classically(team, algorithm="ff")
+    return plan_explicably(team, labeller, improve_s=math.inf, max_evaluations=PROOF_EVALUATIONS)
 
 
 def train(

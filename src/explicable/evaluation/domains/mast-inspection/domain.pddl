@@ -1,0 +1,51 @@
+; Drones inspect the masts that an operator asks for. The robots' own model.
+(define (domain mast-inspection)
+  (:requirements :strips :typing)
+  (:types
+    agent spot level - object
+    drone - robot
+    robot human - agent
+    mast - spot)
+  (:predicates
+    (over ?d - drone ?s - spot)
+    (lane ?from ?to - spot)
+    (dock ?s - spot)
+    (airborne ?d - drone)
+    (grounded ?d - drone)
+    (lens-clean ?d - drone)
+    (charge ?d - drone ?l - level)
+    (less ?l ?m - level)
+    (full ?l - level)
+    (asked ?m - mast)
+    (inspected ?m - mast))
+
+  (:action ask
+    :parameters (?h - human ?m - mast)
+    :precondition (and)
+    :effect (asked ?m))
+
+  (:action take-off
+    :parameters (?d - drone ?s - spot)
+    :precondition (and (over ?d ?s) (grounded ?d))
+    :effect (and (airborne ?d) (not (grounded ?d))))
+
+  ; A battery lasts for two lanes; the sun fills it wherever the drone waits.
+  (:action fly
+    :parameters (?d - drone ?from ?to - spot ?before ?after - level)
+    :precondition (and (airborne ?d) (over ?d ?from) (lane ?from ?to) (charge ?d ?before) (less ?after ?before))
+    :effect (and (over ?d ?to) (not (over ?d ?from)) (charge ?d ?after) (not (charge ?d ?before))))
+
+  (:action recharge
+    :parameters (?d - drone ?s - spot ?before ?after - level)
+    :precondition (and (over ?d ?s) (charge ?d ?before) (full ?after))
+    :effect (and (charge ?d ?after) (not (charge ?d ?before))))
+
+  (:action inspect
+    :parameters (?d - drone ?m - mast)
+    :precondition (and (airborne ?d) (over ?d ?m) (asked ?m) (lens-clean ?d))
+    :effect (inspected ?m))
+
+  (:action land
+    :parameters (?d - drone ?s - spot)
+    :precondition (and (over ?d ?s) (dock ?s) (airborne ?d))
+    :effect (and (grounded ?d) (not (airborne ?d)))))

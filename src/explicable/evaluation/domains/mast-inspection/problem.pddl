@@ -1,0 +1,24 @@
+; Five masts, two drones. A new crane bars the lane between m4 and m5, and brio's lens is dirty.
+(define (problem five-masts)
+  (:domain mast-inspection)
+  (:objects
+    operator - human
+    alba brio - drone
+    north south - spot
+    m1 m2 m3 m4 m5 - mast
+    l0 l1 l2 - level)
+  (:init
+    (over alba north) (grounded alba)
+    (over brio south) (grounded brio)
+    (dock north) (dock south)
+    (lens-clean alba)
+    (charge alba l2) (charge brio l2) (full l2)
+    (less l0 l1) (less l1 l2)
+    (lane north m1) (lane m1 north)
+    (lane m1 m2) (lane m2 m1)
+    (lane m2 south) (lane south m2)
+    (lane north m3) (lane m3 north)
+    (lane m3 m4) (lane m4 m3)
+    (lane m4 m2) (lane m2 m4)
+    (lane m5 south) (lane south m5))
+  (:goal (and (inspected m1) (inspected m2) (inspected m3) (inspected m4) (inspected m5) (grounded alba) (grounded brio))))
