@@ -1,6 +1,5 @@
 """The oracle: a robot that looks into the simulated participant's mind, as no real robot can."""
 
-import copy
 import heapq
 import itertools
 import math
@@ -45,11 +44,20 @@ class OraclePlanner:
         truth = self.setting.truth
         if mind.request is not None:
             return self._best_way(state, mind, mind.request)
-        asked = minds.choose(self.setting, self.person.participant, mind, copy.deepcopy(self.person.rng))
+        asked = self._foresee(mind)
         if asked is not None and truth.after(state, asked) is not None:
             return (asked,)
         way = truth.mission_way(state)
         return (truth.task.action(way[0]),) if way else None
+
+    def _foresee(self, mind: Mind) -> GroundAtom | None:
+        """Return what the participant would choose, by the chance that it will then have."""
+        chance = self.person.rng.bit_generator
+        before = chance.state
+        try:
+            return minds.choose(self.setting, self.person.participant, mind, self.person.rng)
+        finally:
+            chance.state = before
 
     def _best_way(self, state: State, mind: Mind, request: Request) -> tuple[GroundAtom, ...] | None:
         """Dijkstra's algorithm over the true states; the mind goes along the best way to each."""

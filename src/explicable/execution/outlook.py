@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
+from itertools import repeat
 from typing import Literal, NamedTuple, TypeVar
 
 from explicable.errors import ResourceError
@@ -68,32 +69,31 @@ class Outlook:
         self.task = stage.task
         self.requests = find_requests(problem, stage.task)
         self._known: dict[tuple[State, Goal], tuple[float, int]] = {}
-        self._operators: dict[GroundAtom, tuple[int, ...]] = {}  # of the actions asked about
         self._permits: dict[frozenset[GroundAtom], tuple[bool, list[Goal]]] = {}
         self._after: dict[tuple[State, GroundAtom], State | None] = {}
         self._robot_steps: dict[State, tuple[tuple[GroundAtom, int, State], ...]] = {}
         self._ranked: dict[State, tuple[tuple[float, int], ...]] = {}
         self._fulfilments: dict[tuple[State, GroundAtom], tuple[float, int, Goal]] = {}
         self._ends = {action: self._ends_of(request) for action, request in self.requests.items()}
+        actions = [(operator, self.task.action(operator)) for operator in range(self.task.num_operators)]
         self._asks = [
-            (operator, self.requests[action])
-            for operator in range(self.task.num_operators)
-            if (action := self.task.action(operator)) in self.requests
+            (operator, self.requests[action]) for operator, action in actions if action in self.requests
         ]
+        self._robots = {
+            operator: action
+            for operator, action in actions
+            if action
+            and " " not in action[0]  # such are the stage's
+            and problem.agent_of(action).kind == "robot"
+        }
 
     def operator(self, state: State, action: GroundAtom) -> int | None:
         """Return the operator by which an action can be executed here, if it can."""
         is_applicable = self.task.core.is_applicable
-        for operator in self._operators_of(action):
+        for operator in self.task.operators_of(action):
             if is_applicable(state, operator):
                 return operator
         return None
-
-    def _operators_of(self, action: GroundAtom) -> tuple[int, ...]:
-        operators = self._operators.get(action, ())
-        if not operators and (operators := self.task.operators_of(action)):
-            self._operators[action] = operators  # what is no action is not kept: anybody may ask anything
-        return operators
 
     def after(self, state: State, action: GroundAtom) -> State | None:
         """Return the state after an action; None if it can't be executed here."""
@@ -103,9 +103,7 @@ class Outlook:
         except KeyError:
             operator = self.operator(state, action)
             after = None if operator is None else self.task.successor(state, operator)
-            if action in self._operators:
-                remember(self._after, key, after)
-            return after
+            return remember(self._after, key, after)
 
     def robot_steps(self, state: State) -> tuple[tuple[GroundAtom, int, State], ...]:
         """Return the steps that the robots can take here, what each costs, and the state after it."""
@@ -114,9 +112,7 @@ class Outlook:
             steps = tuple(
                 (action, self.task.cost(operator), self.task.successor(state, operator))
                 for operator in self.task.applicable(state)
-                if (action := self.task.action(operator))
-                and " " not in action[0]  # such are the stage's
-                and self.problem.agent_of(action).kind == "robot"
+                if (action := self._robots.get(operator))
             )
             remember(self._robot_steps, state, steps)
         return steps
@@ -136,8 +132,7 @@ class Outlook:
         if permits is None:
             permits = self._permits[request.permits] = self._permits_of(request)
         always, facts = permits
-        holds = self.task.core.holds
-        return always or any(holds(state, fact) for fact in facts)
+        return always or any(map(self.task.core.holds, repeat(state), facts))
 
     def _permits_of(self, request: Request) -> tuple[bool, list[Goal]]:
         """Return whether one of a request's permits always holds, and those that may change."""

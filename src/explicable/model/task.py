@@ -107,11 +107,16 @@ class Task:
 
         Several if its precondition is a disjunction, none if it is never possible.
         """
-        schema = self._schema_numbers.get(action[0]) if action else None
-        numbers = self._numbers(action[1:])
-        if schema is None or numbers is None:
-            return ()
-        return tuple(self.core.find_operators(schema, numbers))
+        operators = self._operators.get(action)
+        if operators is None:
+            schema = self._schema_numbers.get(action[0]) if action else None
+            numbers = self._numbers(action[1:])
+            if schema is None or numbers is None:
+                return ()
+            operators = tuple(self.core.find_operators(schema, numbers))
+            if operators:  # what is no action is not kept: anybody may ask anything
+                self._operators[action] = operators
+        return operators
 
     def fact_number(self, atom: GroundAtom) -> int | None:
         """Return the number of a fact, or None if the atom never changes or is never true."""
@@ -230,6 +235,11 @@ class Task:
     @cached_property
     def _actions(self) -> dict[int, GroundAtom]:
         """Those that were asked for, by operator."""
+        return {}
+
+    @cached_property
+    def _operators(self) -> dict[GroundAtom, tuple[int, ...]]:
+        """Of the actions that were asked about."""
         return {}
 
     def _numbers(self, names: Sequence[str]) -> list[int] | None:
