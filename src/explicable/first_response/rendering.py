@@ -1,6 +1,5 @@
 """First-response maps and plans as pictures (SVG)."""
 
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,12 +11,13 @@ from typing import get_args
 from explicable.errors import UsageError
 from explicable.first_response import glyphs
 from explicable.first_response.animation import Clock
-from explicable.first_response.arrows import centre, draw_arrows
+from explicable.first_response.arrows import draw_arrows
 from explicable.first_response.encoding import robot_name
 from explicable.first_response.glyphs import CELL
 from explicable.first_response.picture_key import draw_key
 from explicable.first_response.routes import Command, Routes, trace_routes
-from explicable.first_response.world import Cell, View, World, cell_name
+from explicable.first_response.signs import draw_command_labels, draw_robot_signs, draw_room_signs
+from explicable.first_response.world import Cell, View, World
 from explicable.model.drawing import Drawing, draw
 from explicable.model.plan import JointPlan
 from explicable.model.problem import GroundAtom
@@ -101,12 +101,11 @@ def render(
         parts += draw_arrows(
             passages, actions, doubted, probabilities, double=robot > 0, scale=canvas.emphasis, clock=clock
         )
-    parts += _room_signs(routes, names, doubted, canvas.emphasis, clock)
-    parts += _robot_signs(world, routes, canvas.emphasis, clock)
-    parts += _command_labels(routes.commands, names, canvas.emphasis, clock)
+    parts += draw_room_signs(routes, names, doubted, canvas.emphasis, clock)
+    parts += draw_robot_signs(world, routes, canvas.emphasis, clock)
+    parts += draw_command_labels(routes.commands, names, canvas.emphasis, clock)
     # From here on in pixels: title and key have the same size with every map.
-    width, height = canvas.width / canvas.zoom, canvas.height / canvas.zoom
-    left, top = 0.0, 0.0
+    width, height, top = canvas.width / canvas.zoom, canvas.height / canvas.zoom, 0.0
     drawing = (
         f'<svg width="{glyphs.number(width)}" height="{glyphs.number(height)}" '
         f'viewBox="{_box(canvas.left, canvas.top, canvas.width, canvas.height)}">{"".join(parts)}</svg>'
@@ -115,16 +114,14 @@ def render(
         width = max(width, NARROWEST_PX)
     if title:
         size = min(20, 1.5 * width / len(title))
-        drawing += glyphs.label(
-            left + 2, top - 12, title, size=size, fill=glyphs.INK, weight=600, anchor="start"
-        )
+        drawing += glyphs.label(2, -12, title, size=size, fill=glyphs.INK, weight=600, anchor="start")
         top -= 36
         height += 36
     if key:
         signs, key_height = draw_key(round(width), view, with_plan=bool(actions))
-        drawing += glyphs.placed(signs, left, top + height + 14)
+        drawing += glyphs.placed(signs, 0, top + height + 14)
         height += key_height + 14
-    box = _box(left, top, width, height)
+    box = _box(0, top, width, height)
     x, y, w, h = box.split()
     return Drawing(
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="{w}" height="{h}" role="img">'
@@ -229,57 +226,6 @@ def draw_floor_plan(
         f'<rect x="0.5" y="0.5" width="{width - 1}" height="{height - 1}" fill="none" '
         f'stroke="{glyphs.WALL_INK}" stroke-width="1"/>'
     )
-    return parts
-
-
-def _room_signs(
-    routes: Routes, names: dict[Cell, str], doubted: frozenset[int], scale: float, clock: Clock
-) -> list[str]:
-    parts = []
-    for room, letter in names.items():
-        caption = f"<title>room {letter}, {cell_name(room)}</title>"
-        parts.append(glyphs.placed(caption + glyphs.room_badge(letter), *centre(room), scale))
-    for order, visit in enumerate(routes.visits, 1):
-        sign = glyphs.visit_badge(order, doubted=visit.step in doubted) + clock.appear(visit.step)
-        parts.append(glyphs.placed(sign, *centre(visit.room), scale))
-    return parts
-
-
-def _robot_signs(world: World, routes: Routes, scale: float, clock: Clock) -> list[str]:
-    parts = []
-    for index, start in enumerate(world.robots):
-        name = robot_name(index)
-        head = glyphs.robot_head(name)
-        if len(world.robots) > 1:
-            head += glyphs.label(0, 21, name, size=10, fill=glyphs.INK)
-        head = glyphs.placed(head, 0, 0, scale)
-        if clock.is_running:
-            places = [start] * (clock.num_steps + 1)
-            for passage in routes.passages:
-                if passage.robot == name:
-                    places[passage.step + 1 :] = [passage.end] * (clock.num_steps - passage.step)
-            head = f"<g>{head}{clock.travel([centre(place) for place in places])}</g>"
-        parts.append(glyphs.placed(head, *centre(start)))
-    return parts
-
-
-def _command_labels(
-    commands: Sequence[Command], names: dict[Cell, str], scale: float, clock: Clock
-) -> list[str]:
-    """Write which commands are given where: one in each corner of a cell, more than four as a range."""
-    given: dict[Cell, list[tuple[str, int]]] = defaultdict(list)
-    for order, command in enumerate(commands, 1):
-        given[command.cell].append((f"{order}{names[command.room]}", command.step))
-    corners = ((-20, -11, "start"), (20, -11, "end"), (-20, 20, "start"), (20, 20, "end"))
-    parts = []
-    for cell, texts in given.items():
-        shown = texts if len(texts) <= len(corners) else [(f"{texts[0][0]} …", texts[0][1]), texts[-1]]
-        x, y = centre(cell)
-        for (text, step), (right, down, anchor) in zip(shown, corners, strict=False):
-            label = glyphs.command_label(
-                x + right * scale, y + down * scale, text, size=11 * scale, anchor=anchor
-            )
-            parts.append(f"<g>{label}{clock.appear(step)}</g>" if clock.is_running else label)
     return parts
 
 
