@@ -1,11 +1,14 @@
 """The house rules that a machine can check."""
 
+import pkgutil
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 from importlinter.cli import lint_imports
+
+import explicable.planning
 
 ROOT = Path(__file__).parents[1]
 
@@ -47,6 +50,12 @@ def test_the_command_line_starts_without_heavy_libraries():
     shown = subprocess.run([sys.executable, "-c", listing], capture_output=True, text=True, check=True).stdout
     for heavy in ("scipy", "sklearn", "rich", "jinja2"):
         assert f"'{heavy}'" not in shown
+
+
+def test_no_public_name_is_that_of_a_package():
+    """A name that is imported when asked for would give way to its namesake once that is imported."""
+    for package in (explicable, explicable.planning):
+        assert {module.name for module in pkgutil.iter_modules(package.__path__)}.isdisjoint(package.__all__)
 
 
 def test_constraints_name_versions_and_no_addresses():

@@ -1,6 +1,7 @@
 """Robot plans that human teammates expect.
 
 The public names, each imported when it is first asked for, so that a small program starts fast.
+The function that searches is `explicable.search.search`: its package bears the name here.
 """
 
 from typing import TYPE_CHECKING
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
         plan_within_budget,
         rank,
     )
-    from explicable.search import Outcome, SearchResult, search
+    from explicable.search import Outcome, SearchResult
 
 _HOMES = {
     "Agent": "model.team",
@@ -57,7 +58,6 @@ _HOMES = {
     "read_plan": "model.plan",
     "read_team_problem": "pddl",
     "read_traces": "labelling",
-    "search": "search",
 }
 
 __all__ = [
@@ -88,7 +88,6 @@ __all__ = [
     "read_plan",
     "read_team_problem",
     "read_traces",
-    "search",
 ]
 
 

@@ -197,6 +197,8 @@ def exclusive(arguments):
         (["measure", *TEAM, "problem.pddl", *HUMAN], 3, "problem.pddl:1"),
         (["measure", *TEAM, "long.plan", "--temperature", "0"], 2, "temperature"),
         (["measure", *TEAM, "long.plan", "--other-goal", "nonsense"], 3, "nonsense"),
+        (["measure", *TEAM, "long.plan", "--other-goal", "(at r1 c-9-9)"], 2, "(at r1 c-9-9) is no atom"),
+        (["measure", *TEAM, "long.plan", "--other-goal", "(at r1)"], 2, "(at r1) is no atom"),
     ],
 )
 def test_one_message_and_a_documented_exit_code(place, arguments, code, message):

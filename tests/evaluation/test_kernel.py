@@ -175,6 +175,8 @@ def test_no_scheduler_is_a_clear_error(study, tmp_path, monkeypatch):
     monkeypatch.setattr("explicable.evaluation.workers.CONNECT_S", 1)
     with pytest.raises(UsageError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9"):
         run_experiments([read_experiment(study)], tmp_path, scheduler="tcp://127.0.0.1:9")
+    with pytest.raises(UsageError, match=r"address is like tcp://HOST:PORT, not 'nowhere'"):
+        run_experiments([read_experiment(study)], tmp_path, scheduler="nowhere")
 
 
 def test_every_trial_of_a_cell_has_its_own_seed_and_cells_share_them():

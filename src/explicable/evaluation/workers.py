@@ -4,6 +4,7 @@ A trial travels as its key and comes back as its record's line: plain text, what
 """
 
 import os
+import re
 import threading
 import time
 from collections.abc import Iterator, Sequence
@@ -61,6 +62,10 @@ def run_on_dask(trials: Sequence[Trial], address: str) -> Iterator[bytes]:
     """
     from distributed import Client, KilledWorker, as_completed
 
+    if (
+        re.fullmatch(r"\w+://.+:\d+", address) is None
+    ):  # asked for what is no address, the client stands still when it is given up
+        raise UsageError(f"a scheduler's address is like tcp://HOST:PORT, not {address!r}")
     try:
         client = Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError) as error:

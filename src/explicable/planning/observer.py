@@ -15,7 +15,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from explicable.errors import ResourceError, UsageError
-from explicable.model.problem import GroundAtom
+from explicable.model.problem import GroundAtom, Problem
 from explicable.model.task import State, Task
 from explicable.model.team import TeamTask
 from explicable.planning.beliefs import watch
@@ -199,7 +199,7 @@ def recognise(
     Parameters
     ----------
     alternative_goals
-        Besides the mental task's own: each a conjunction of atoms.
+        Besides the mental task's own: each a conjunction of atoms of the human model.
 
     Raises
     ------
@@ -220,6 +220,9 @@ def recognise(
     if not 0 < temperature < math.inf:
         raise UsageError(f"the temperature must be finite and above 0, not {temperature}")
     mental = team_task.mental
+    alternative_goals = [tuple(goal) for goal in alternative_goals]
+    for goal in alternative_goals:
+        _check_sayable(mental.problem, goal)
     goals = [mental, *(mental.with_goal(goal) for goal in alternative_goals)]
     values = [CostToGo(task, deadline) for task in goals]
     watched = watch(team_task, actions)
@@ -239,6 +242,14 @@ def recognise(
         legibility=told / sum(weights) if weights else posteriors[0][0],
         predictability=tuple(math.exp(min(0.0, -row[0] / temperature)) for row in detours),
     )
+
+
+def _check_sayable(problem: Problem, goal: Iterable[GroundAtom]) -> None:
+    arities = {predicate.name: len(predicate.parameters) for predicate in problem.domain.predicates}
+    objects = {*problem.objects, *problem.domain.constants}
+    for atom in goal:
+        if arities.get(atom[0]) != len(atom) - 1 or not objects.issuperset(atom[1:]):
+            raise UsageError(f"an alternative goal: ({' '.join(atom)}) is no atom of the human model")
 
 
 def _detour(spent: float, to_go: float, least: float) -> float:
