@@ -2,9 +2,9 @@
 
 import hashlib
 import json
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal, NoReturn
 
@@ -143,6 +143,8 @@ class RecordReader:
             self._refuse("steps must be a list")
         if not isinstance(notes, dict):
             self._refuse("notes must be an object")
+        if data.get("started") is not None:
+            self._check_moment(self._text("started", data["started"]))
         return Trace(
             problem=self._read_problem(data["problem"]),
             steps=tuple(self._read_step(number, step) for number, step in enumerate(steps, start=1)),
@@ -151,6 +153,12 @@ class RecordReader:
             notes=notes,
             **{key: None if data.get(key) is None else self._text(key, data[key]) for key in _TEXTS},
         )
+
+    def _check_moment(self, text: str) -> None:
+        try:
+            datetime.fromisoformat(text)
+        except ValueError:
+            self._refuse(f"started must be a date and time in ISO 8601, not {_show(text)}")
 
     def _decode(self, line: bytes) -> object:
         try:
@@ -187,11 +195,9 @@ class RecordReader:
         if label is not None and not isinstance(label, bool) and not is_name:
             self._refuse(f"{what}: label must be true, false or null, or name a task; not {_show(label)}")
         if time is not None:
-            if isinstance(time, bool) or not isinstance(time, int | float) or abs(time) > 1e15:
+            if isinstance(time, bool) or not isinstance(time, int | float) or not abs(time) <= 1e15:
                 self._refuse(f"{what}: time must be a number of seconds, not {_show(time)}")
             time = float(time)
-            if not math.isfinite(time):
-                self._refuse(f"{what}: time must be finite")
         try:
             action = parse_action(self._text(f"{what}: operator", data["operator"]))
         except PlanError as error:
