@@ -146,6 +146,11 @@ BAD_DOMAINS = [
         "'?t' is of type 'truck', but argument 2 of 'length' is of type 'place'",
     ),
     ("(total-cost) 3", "(total-cost) @2147483648", "2147483648 is too large for a cost (at most 2147483647)"),
+    (
+        "(and (at ?t ?to) (increase (total-cost) 3)",
+        "@(and (at ?t ?to) (increase (total-cost) 2147483647) (increase (total-cost) 1)",
+        "costs that add up to more than 2147483647",
+    ),
 ]
 
 BAD_PROBLEMS = [

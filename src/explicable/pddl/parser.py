@@ -24,7 +24,7 @@ from explicable.pddl.declarations import (
     read_types,
 )
 from explicable.pddl.effects import EffectList, EffectReader
-from explicable.pddl.formulas import FormulaReader, scope_of
+from explicable.pddl.formulas import MAX_COST, FormulaReader, scope_of
 from explicable.pddl.initial_state import read_init
 from explicable.pddl.source import Cursor, Source, Warn
 from explicable.pddl.vocabulary import Requirements, Vocabulary
@@ -236,7 +236,10 @@ def _read_action(
                 precondition = reader.read_formula(scope)
             case ":effect":
                 cursor.take()
+                start = cursor.start
                 effect = reader.read_effect(scope)
+                if sum(amount for amount in effect.cost if isinstance(amount, int)) > MAX_COST:
+                    raise cursor.source.error(f"costs that add up to more than {MAX_COST}", start)
             case ":vars" | ":duration" | ":condition" | ":observe" | ":expansion" | ":agent":
                 raise cursor.error(f"'{keyword}' of an action is not supported", UnsupportedFeatureError)
             case _:
