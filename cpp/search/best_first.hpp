@@ -44,7 +44,7 @@ private:
     NodeStore nodes_;
     std::optional<Evaluator> evaluator_;  // the FF heuristic
     TieBreaker ties_;
-    OpenList<NodeId> all_, promising_;
+    OpenHeap<NodeId> all_, promising_;
     std::int64_t all_priority_ = 0, promising_priority_ = 0;
     double best_h_ = std::numeric_limits<double>::infinity();
     std::vector<double> h_;

@@ -1,7 +1,9 @@
 // An open list: lowest key first, ties in the order of arrival.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
@@ -59,6 +61,39 @@ private:
 
     std::map<Key, Bucket> buckets_;
     std::size_t size_ = 0;
+};
+
+// The same as a heap: for entries that come one by one, as in eager search, where with a labeller nearly every one has a key
+// of its own.
+template <class Entry>
+class OpenHeap {
+public:
+    void push(const Key& key, const Entry& entry) {
+        heap_.push_back({key, num_arrived_++, entry});
+        std::push_heap(heap_.begin(), heap_.end());
+    }
+    Entry pop() {
+        std::pop_heap(heap_.begin(), heap_.end());
+        const Entry entry = heap_.back().entry;
+        heap_.pop_back();
+        return entry;
+    }
+    const Key& lowest() const { return heap_.front().key; }
+    bool empty() const { return heap_.empty(); }
+    std::size_t memory_bytes() const { return heap_.capacity() * sizeof(Arrival); }
+
+private:
+    struct Arrival {
+        Key key;
+        std::uint32_t number;
+        Entry entry;
+        // The standard library's heaps have the greatest on top.
+        bool operator<(const Arrival& other) const {
+            return key != other.key ? key > other.key : number > other.number;
+        }
+    };
+    std::vector<Arrival> heap_;
+    std::uint32_t num_arrived_ = 0;
 };
 
 }  // namespace explicable
