@@ -151,7 +151,7 @@ void bind_scorer(nb::module_& module) {
              [](const TeamTables& t, OperatorId step, int request) {
                  if (request < -1 || request >= t.num_requests()) throw nb::index_error("no such request");
                  const auto progress = t.toward_request(check_operator(t, step), request);
-                 return std::tuple(static_cast<int>(progress.mental), static_cast<int>(progress.own));
+                 return std::tuple(static_cast<int>(progress.mental()), static_cast<int>(progress.own()));
              },
              "step"_a, "request"_a)
         .def("toward_goals",
@@ -161,8 +161,8 @@ void bind_scorer(nb::module_& module) {
                  for (std::size_t goal = 0; goal < fulfilled.size(); ++goal)
                      if (fulfilled[goal]) goals.close(goal);
                  const auto progress = t.toward_goals(check_operator(t, step), goals);
-                 return std::tuple(static_cast<int>(progress.mental), static_cast<int>(progress.own),
-                                   static_cast<int>(progress.mission));
+                 return std::tuple(static_cast<int>(progress.mental()), static_cast<int>(progress.own()),
+                                   static_cast<int>(progress.mission()));
              },
              "step"_a, "fulfilled"_a);
 

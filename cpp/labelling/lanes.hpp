@@ -25,6 +25,12 @@ class Lanes {
 public:
     explicit Lanes(const std::int16_t* values) : all_(_mm_loadu_si128(reinterpret_cast<const __m128i*>(values))) {}
     explicit Lanes(std::int16_t value) : all_(_mm_set1_epi16(value)) {}
+    // 0x7FFF where the bit of a lane is 0, else 0.
+    static Lanes where_clear(unsigned bits) {
+        const __m128i own = _mm_set_epi16(128, 64, 32, 16, 8, 4, 2, 1);
+        const __m128i set = _mm_and_si128(_mm_set1_epi16(static_cast<std::int16_t>(bits)), own);
+        return Lanes(_mm_srli_epi16(_mm_cmpeq_epi16(set, _mm_setzero_si128()), 1));
+    }
     Lanes operator|(Lanes other) const { return Lanes(_mm_or_si128(all_, other.all_)); }
     Lanes where_equal(Lanes other) const { return Lanes(_mm_and_si128(_mm_cmpeq_epi16(all_, other.all_), all_)); }
     Lanes plus(Lanes other) const { return Lanes(_mm_adds_epi16(all_, other.all_)); }  // at most 0x7FFF
@@ -41,15 +47,10 @@ private:
     __m128i all_;
 };
 
-// Bit 8 * i + j: mine[i] is theirs[j] and not negative.
-inline std::uint64_t equal_fours(const std::int32_t* mine, const std::int32_t* theirs) {
-    const __m128i other = _mm_loadu_si128(reinterpret_cast<const __m128i*>(theirs));
-    std::uint64_t equal = 0;
-    for (int i = 0; i < 4; ++i) {
-        const auto row = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(_mm_set1_epi32(mine[i]), other)));
-        if (mine[i] >= 0) equal |= std::uint64_t(row) << (8 * i);
-    }
-    return equal;
+// A bit for each of four numbers: whether it equals `value`.
+inline unsigned equal_in_four(std::int32_t value, const std::int32_t* four) {
+    const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(four));
+    return static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(_mm_set1_epi32(value), all))));
 }
 
 #else
@@ -58,6 +59,12 @@ class Lanes {
 public:
     explicit Lanes(const std::int16_t* values) { std::copy_n(values, kLanes, all_); }
     explicit Lanes(std::int16_t value) { std::fill_n(all_, kLanes, value); }
+    // 0x7FFF where the bit of a lane is 0, else 0.
+    static Lanes where_clear(unsigned bits) {
+        Lanes result(std::int16_t{0});
+        for (std::size_t i = 0; i < kLanes; ++i) result.all_[i] = (bits >> i & 1) ? 0 : 0x7FFF;
+        return result;
+    }
     Lanes operator|(Lanes other) const { return map(other, [](int a, int b) { return a | b; }); }
     Lanes where_equal(Lanes other) const { return map(other, [](int a, int b) { return a == b ? a : 0; }); }
     Lanes plus(Lanes other) const { return map(other, [](int a, int b) { return std::min(a + b, 0x7FFF); }); }
@@ -74,19 +81,12 @@ private:
     }
 };
 
-inline std::uint64_t equal_fours(const std::int32_t* mine, const std::int32_t* theirs) {
-    std::uint64_t equal = 0;
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) equal |= std::uint64_t{mine[i] == theirs[j] && mine[i] >= 0} << (8 * i + j);
+inline unsigned equal_in_four(std::int32_t value, const std::int32_t* four) {
+    unsigned equal = 0;
+    for (int i = 0; i < 4; ++i) equal |= static_cast<unsigned>(four[i] == value) << i;
     return equal;
 }
 
 #endif
-
-// The same of eight each.
-inline std::uint64_t equal_eights(const std::int32_t* mine, const std::int32_t* theirs) {
-    return equal_fours(mine, theirs) | equal_fours(mine, theirs + 4) << 4 | equal_fours(mine + 4, theirs) << 32 |
-           equal_fours(mine + 4, theirs + 4) << 36;
-}
 
 }  // namespace explicable

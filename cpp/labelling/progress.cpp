@@ -29,7 +29,7 @@ Distance nearest(std::span<const FactId> facts, const std::vector<Distance>& dis
 
 void TeamTables::measure_requests(const Measure& measure) {
     const auto width = static_cast<std::size_t>(num_requests());
-    const auto num_operators = steps_.size();
+    const auto num_operators = static_cast<std::size_t>(this->num_operators());
     if (width > 0 && num_operators > kMaxEntries / width) throw std::length_error("too many operators times requests");
     toward_request_.resize(width * num_operators);
     std::vector<std::vector<FactId>> sources;
@@ -42,8 +42,7 @@ void TeamTables::measure_requests(const Measure& measure) {
                 progress[model] = judge(nearest(sources[op], distance[model]), nearest(adds_[op], distance[model]));
             if (std::ranges::find(fulfils[op], static_cast<std::int32_t>(request)) != fulfils[op].end())
                 progress = {Progress::kDone, Progress::kDone};
-            toward_request_[static_cast<std::size_t>(op) * width + request] = static_cast<std::uint8_t>(
-                static_cast<unsigned>(progress[0]) << 4 | static_cast<unsigned>(progress[1]));
+            toward_request_[place_of(op, static_cast<int>(request))] = RequestProgress(progress[0], progress[1]).code;
         }
     }
 }
@@ -88,16 +87,27 @@ void TeamTables::measure_goals(const Measure& measure) {
         if (is_new) add_place(place->first);
         return place->second;
     };
-    for (OperatorId op = 0; op < num_operators(); ++op) {
-        steps_[op].from = place_of(used_up(measure.composite, op));
-        steps_[op].to = place_of({adds_[op].begin(), adds_[op].end()});
-    }
+    for (OperatorId op = 0; op < num_operators(); ++op)
+        moves_.push_back({place_of(used_up(measure.composite, op)), place_of({adds_[op].begin(), adds_[op].end()}), false});
     const auto models_agree = [&](std::int32_t place) {
         return std::equal(row(place, Model::kMental), row(place, Model::kMental) + width, row(place, Model::kOwn));
     };
-    for (auto& step : steps_) step.models_agree = models_agree(step.from) && models_agree(step.to);
-    if (count <= kMaxTourGoals && steps_.size() <= kMaxRemembered >> count)
-        remembered_ = std::make_unique<std::atomic<std::uint16_t>[]>(steps_.size() << count);
+    for (auto& move : moves_) move.models_agree = models_agree(move.from) && models_agree(move.to);
+    find_concerned();
+}
+
+// A step's progress hangs on the goals to which there is a way from where it leads, or led. The best order of all goals hangs
+// on all of them.
+void TeamTables::find_concerned() {
+    if (goals.size() > LastAnswer::kMaxGoals) return;
+    for (OperatorId op = 0; op < num_operators(); ++op) {
+        auto& concerned = steps_[op + 1].concerned;
+        for (const auto place : {moves_[op].from, moves_[op].to})
+            for (std::size_t i = 0; i < 2 * width_; ++i)
+                if (row(place, Model::kMental)[i] != kNoWay) concerned |= std::uint64_t{1} << i % width_;
+        for (const auto goal : achieves[op]) concerned |= std::uint64_t{1} << goal;
+        if (concerned != 0 && goals.size() <= kMaxTourGoals) concerned = (std::uint64_t{1} << goals.size()) - 1;
+    }
 }
 
 // tours_[open][first] = steps that the other open goals take after `first`, one after another in the best order. A
@@ -133,49 +143,31 @@ void TeamTables::find_tours(const Task& task, const std::vector<Distance>& dista
 }
 
 GoalProgress TeamTables::find_toward_goals(OperatorId step, const OpenGoals& open) const {
-    if (open.num_open() == 0) return {Progress::kNoTarget, Progress::kNoTarget, Progress::kNoTarget};
-    const GoalProgress progress = look_toward_goals(step, open);
-    if (remembered_)
-        remembered_[open.bits() * steps_.size() + static_cast<std::size_t>(step)].store(
-            static_cast<std::uint16_t>(1u << 12 | static_cast<unsigned>(progress.mission) << 8 |
-                                       static_cast<unsigned>(progress.own) << 4 | static_cast<unsigned>(progress.mental)),
-            std::memory_order_relaxed);
-    return progress;
-}
-
-GoalProgress TeamTables::look_toward_goals(OperatorId step, const OpenGoals& open) const {
-    const TeamStep& looked_at = (*this)[step];
-    if (looked_at.achieves)
+    if ((*this)[step].achieves)
         for (const auto goal : achieves[step])
-            if (open.is_open(goal)) return {Progress::kDone, Progress::kDone, Progress::kDone};
-    const Distance* const closed = open.closed();
-    const auto nearest = [closed, width = width_](const Distance* distance) {
+            if (open.is_open(static_cast<std::size_t>(goal))) return {Progress::kDone, Progress::kDone, Progress::kDone};
+    const auto nearest = [&open, width = width_](const Distance* distance) {
         Lanes least(kNoWay);
-        for (std::size_t goal = 0; goal < width; goal += kLanes)
-            least = least.min(Lanes(distance + goal) | Lanes(closed + goal));
+        for (std::size_t goal = 0; goal < width; goal += kLanes) least = least.min(Lanes(distance + goal) | open.closed(goal));
         return least.least();
     };
-    const auto* const from = row(looked_at.from, Model::kMental);
-    const auto* const to = row(looked_at.to, Model::kMental);
-    GoalProgress progress{};
-    progress.mental = judge(nearest(from), nearest(to));
-    progress.own = looked_at.models_agree ? progress.mental : judge(nearest(from + width_), nearest(to + width_));
-    if (goals.size() > kMaxTourGoals) {
-        progress.mission = progress.mental;
-        return progress;
-    }
+    const Move& move = moves_[step];
+    const auto* const from = row(move.from, Model::kMental);
+    const auto* const to = row(move.to, Model::kMental);
+    const Progress mental = judge(nearest(from), nearest(to));
+    const Progress own = move.models_agree ? mental : judge(nearest(from + width_), nearest(to + width_));
+    if (goals.size() > kMaxTourGoals) return {mental, own, mental};
     const Distance* const tours = tours_.data() + open.bits() * width_;
-    const auto finish = [closed, tours, width = width_](const Distance* distance) {
+    const auto finish = [&open, tours, width = width_](const Distance* distance) {
         const Lanes no_way(kNoWay), longest(kNoWay - 1);
         Lanes least(no_way);
         for (std::size_t goal = 0; goal < width; goal += kLanes) {
-            const Lanes here = Lanes(distance + goal) | Lanes(closed + goal);
+            const Lanes here = Lanes(distance + goal) | open.closed(goal);
             least = least.min(here.plus(Lanes(tours + goal)).min(longest) | here.where_equal(no_way));
         }
         return least.least();
     };
-    progress.mission = judge(finish(from), finish(to));
-    return progress;
+    return {mental, own, judge(finish(from), finish(to))};
 }
 
 }  // namespace explicable

@@ -1,7 +1,6 @@
 #include "labelling/scorer.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -11,14 +10,6 @@
 #include <utility>
 
 namespace explicable {
-namespace {
-
-void read_goals(const Task& task, const TeamTables& tables, const State& state, OpenGoals& goals) {
-    for (std::size_t goal = 0; goal < tables.goals.size(); ++goal)
-        if (state.holds(task, tables.goals[goal])) goals.close(goal);
-}
-
-}  // namespace
 
 std::size_t Scorer::context_size() const { return sizeof(Context); }
 
@@ -36,9 +27,7 @@ void Scorer::extend(const std::byte* parent, OperatorId step, const State& befor
             const auto requests = context.situation.requests();
             context.charge += price_of_surprise_ * choices_->surprise(human_weights_, before, requests, step);
         }
-        OpenGoals goals(tables_->goals.size());
-        read_goals(task_, *tables_, before, goals);
-        advance(context, context.chain, step, goals);
+        advance(context, context.chain, step, tables_->open_goals(before));
         // A request whose fact is gone has been withdrawn.
         auto& situation = context.situation;
         std::int32_t kept = 0;
@@ -55,9 +44,8 @@ template <class Labels>
 void Scorer::walk(Context& context, Labels& labels, const State& state, std::span<const OperatorId> relaxed_plan) const {
     Batch<Labels> batch(labels);
     if (!relaxed_plan.empty()) {
-        OpenGoals goals(tables_->goals.size());
-        read_goals(task_, *tables_, state, goals);
-        for (const auto step : relaxed_plan) tables_->prefetch(step, context.situation.request(), goals);
+        OpenGoals goals = tables_->open_goals(state);
+        for (const auto step : relaxed_plan) tables_->prefetch(step, context.situation.request());
         for (const auto step : relaxed_plan) {
             if ((*tables_)[step].schema < 0) continue;
             advance(context, batch, step, goals);
@@ -66,22 +54,20 @@ void Scorer::walk(Context& context, Labels& labels, const State& state, std::spa
         }
     }
     if (context.num_steps == 0) return;
-    const auto& situation = context.situation;
-    const bool human = is_human(situation.last);
-    append(batch, human, human ? 0 : context.pending + look_ahead(situation, -1, kNothing));
+    append(batch, context.pending + look_ahead(context.situation, -1, kNothing));
     flush(batch);
 }
 
 template <class Labels>
-void Scorer::append(Batch<Labels>& batch, bool is_human, double score) const {
-    batch.steps[batch.size++] = {score, is_human};
-    if (batch.size == batch.steps.size()) flush(batch);
+void Scorer::append(Batch<Labels>& batch, double score) const {
+    batch.scores[batch.size++] = score;
+    if (batch.size == batch.scores.size()) flush(batch);
 }
 
 template <class Labels>
 void Scorer::flush(Batch<Labels>& batch) const {
     Labels labels = batch.labels;
-    for (std::size_t i = 0; i < batch.size; ++i) append(labels, batch.steps[i].is_human, batch.steps[i].score);
+    for (std::size_t i = 0; i < batch.size; ++i) append(labels, batch.scores[i]);
     batch.labels = labels;
     batch.size = 0;
 }
@@ -157,89 +143,56 @@ template <class Labels>
 void Scorer::advance(Context& context, Labels& labels, OperatorId step, const OpenGoals& goals) const {
     auto& situation = context.situation;
     int neighbour = kHumanStep;
-    double score = is_human(step) ? 0 : step_score(situation, step, goals, neighbour);
-    if (context.num_steps > 0) {
-        const bool human = is_human(situation.last);
-        const Equalities equal = equalities(step, situation.last);
-        append(labels, human, human ? 0 : context.pending + look_ahead(situation, step, neighbour, equal.of_last));
-        score += equal.of_step;
-    }
-    context.pending = score;
+    const double score = is_human(step) ? kExplicable : step_score(situation, step, goals, neighbour);
+    const Pair pair = pair_score(situation, step, neighbour);
+    if (context.num_steps > 0) append(labels, context.pending + pair.of_last);
+    context.pending = score + pair.of_step;
     ++context.num_steps;
     remember(situation, step, neighbour);
 }
 
 double Scorer::step_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const {
     const auto& tables = *tables_;
-    const auto me = static_cast<std::size_t>(tables[step].schema);
-    double score = after_[me * (num_schemas_ + 1) + schema_of(situation.last)];
-    if (uses_human_ && situation.last_human >= 0) score += equality_with_human(step, situation.last_human);
-    const auto& recent = situation.robot_steps;
-    const auto takes_back = [&](OperatorId earlier) { return tables.takes_back(step, earlier); };
-    if (takes_back(recent[0]))
-        score += undoes_[me];
-    else if (uses_returns_ && std::any_of(recent.begin() + 1, recent.end(), takes_back))
-        score += returns_[me];
-    if (!tables[step].in_mental) score += unbelieved_[me];
+    const TeamStep& taken = tables[step];
+    const auto me = static_cast<std::size_t>(taken.schema);
+    double score = alone_[me * 2 + taken.in_mental];
     if (!own_.empty()) score += own_[static_cast<std::size_t>(step)];
-
+    if (uses_human_) score += same_human_.of(taken, tables[situation.last_human]);
+    bool may_take_back = false;
+    for (const auto earlier : situation.robot_steps) may_take_back |= TeamTables::may_take_back(taken, tables[earlier]);
+    if (may_take_back) score += taking_back(situation, step);
     auto request = tables.toward_request(step, situation.request());
-    if (request.mental != Progress::kDone && fulfils_open(situation, step))
+    if (taken.fulfils && request.mental() != Progress::kDone && fulfils_open(situation, step))
         request = {Progress::kDoneOther, Progress::kDoneOther};
     const auto goal = tables.toward_goals(step, goals);
-    constexpr std::size_t n = kNumProgress;
-    const auto mental = static_cast<std::size_t>(request.mental), own = static_cast<std::size_t>(request.own);
-    const auto mission = static_cast<std::size_t>(goal.mission);
-    const auto nearest = static_cast<std::size_t>(goal.mental) * n + static_cast<std::size_t>(goal.own);
-    score += request_[(me * n + mental) * n + own] + goals_[(me * n * n + nearest) * n + mission] +
-             request_mission_[mental * n + mission] +
-             trend_[mental * kNumNeighbours + static_cast<std::size_t>(situation.neighbour)];
-    neighbour = static_cast<int>(mental);
-    return score;
+    neighbour = static_cast<int>(request.mental());
+    return score + request_[me * kCodes * kCodes + request.code] + goals_[me * kCodes * kCodes * kCodes + goal.code] +
+           request_mission_[static_cast<std::size_t>(request.mental()) * kCodes + static_cast<std::size_t>(goal.mission())];
+}
+
+// Whether it undoes the last step of a robot, or one of those before that.
+double Scorer::taking_back(const Situation& situation, OperatorId step) const {
+    const auto& recent = situation.robot_steps;
+    const auto takes_back = [this, step](OperatorId earlier) { return tables_->takes_back(step, earlier); };
+    if (takes_back(recent[0])) return undoes_[schema_of(step)];
+    return uses_returns_ && std::any_of(recent.begin() + 1, recent.end(), takes_back) ? returns_[schema_of(step)] : 0;
+}
+
+Scorer::Pair Scorer::pair_score(const Situation& situation, OperatorId next, int neighbour) const {
+    const TeamStep& last = (*tables_)[situation.last];
+    const TeamStep& step = (*tables_)[next];
+    const auto after = static_cast<std::size_t>(step.schema), before = static_cast<std::size_t>(last.schema);
+    Pair pair = schemas_[after * (num_schemas_ + 1) + before];
+    pair += beside_[static_cast<std::size_t>(neighbour) * kNumNeighbours + static_cast<std::size_t>(situation.neighbour)];
+    pair += same_.of(step, last);
+    return pair;
 }
 
 bool Scorer::fulfils_open(const Situation& situation, OperatorId step) const {
-    if (situation.num_open == 0 || !(*tables_)[step].fulfils) return false;
     const auto open = situation.requests();
     for (const auto request : tables_->fulfils[step])
         if (std::ranges::find(open, request) != open.end()) return true;
     return false;
-}
-
-// A feature for every argument of `step` that equals an argument of the last step; and for the last step, which sees the same.
-Scorer::Equalities Scorer::equalities(OperatorId step, OperatorId last) const {
-    Equalities sum;
-    const std::size_t schemas = schema_of(step) * num_schemas_ + schema_of(last);
-    if (!may_share_[schemas]) return sum;
-    const Equalities* const pairs = same_.data() + schemas * num_compared_ * num_compared_;
-    for (auto equal = tables_->equal_arguments(step, last); equal != 0; equal &= equal - 1) {
-        const auto bit = static_cast<std::size_t>(std::countr_zero(equal));
-        const Equalities& weight = pairs[bit / kMaxArguments * num_compared_ + bit % kMaxArguments];
-        sum.of_step += weight.of_step;
-        sum.of_last += weight.of_last;
-    }
-    return sum;
-}
-
-double Scorer::equality_with_human(OperatorId step, OperatorId human) const {
-    const double* const pairs =
-        same_human_.data() + (schema_of(step) * num_schemas_ + schema_of(human)) * num_compared_ * num_compared_;
-    double score = 0;
-    for (auto equal = tables_->equal_arguments(step, human); equal != 0; equal &= equal - 1) {
-        const auto bit = static_cast<std::size_t>(std::countr_zero(equal));
-        score += pairs[bit / kMaxArguments * num_compared_ + bit % kMaxArguments];
-    }
-    return score;
-}
-
-// The features of the last step, a robot's, that see the step after it.
-double Scorer::look_ahead(const Situation& situation, OperatorId next, int neighbour) const {
-    return look_ahead(situation, next, neighbour, next < 0 ? 0 : equalities(next, situation.last).of_last);
-}
-
-double Scorer::look_ahead(const Situation& situation, OperatorId next, int neighbour, double equal) const {
-    return before_[schema_of(situation.last) * (num_schemas_ + 1) + schema_of(next)] + equal +
-           outlook_[static_cast<std::size_t>(situation.neighbour) * kNumNeighbours + static_cast<std::size_t>(neighbour)];
 }
 
 void Scorer::remember(Situation& situation, OperatorId step, int neighbour) const {

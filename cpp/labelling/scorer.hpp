@@ -27,6 +27,7 @@ inline std::uint64_t combine(std::uint64_t key, std::uint64_t value) {  // split
 
 inline constexpr int kMaxRequests = 8;  // a person keeps so many open requests in mind; older ones are forgotten
 inline constexpr int kRecentSteps = 4;  // steps of robots that a later one may take back
+inline constexpr double kExplicable = -std::numeric_limits<double>::infinity();  // score of a human step, explicable by definition
 
 // What the features of the next step need of the steps before it.
 struct Situation {
@@ -90,26 +91,50 @@ private:
         std::array<double, 2> variance{};
         bool is_empty = true;
     };
-    // What the equal arguments of a step and the step before add to the scores of the two.
-    struct Equalities {
+    // What a step and the step before it, side by side, add to the scores of the two.
+    struct Pair {
         double of_step = 0, of_last = 0;
+        Pair& operator+=(const Pair& other) {
+            of_step += other.of_step;
+            of_last += other.of_last;
+            return *this;
+        }
+        bool operator==(const Pair&) const = default;
     };
-    // Steps whose labels are still to be appended: all in one loop, where the processor keeps the labels in registers.
+    // Weights of equal arguments: for each argument of a step, a sum for each set of four arguments of the other step that may
+    // equal it. Step schemas that have none share a block of zeros, the first.
+    template <class Weight>
+    class EqualityWeights {
+    public:
+        // `weight(step, other, i, j)`: of argument i of schema `step` being argument j of schema `other`.
+        template <class F>
+        EqualityWeights(const TeamTables& tables, F weight);
+        Weight of(const TeamStep& step, const TeamStep& other) const;
+        // Of argument i of schema `step` being argument j of schema `other`.
+        const Weight& weight(std::size_t step, std::size_t other, std::size_t i, std::size_t j) const {
+            return sums_[block_[step * width_ + other] + (i * halves_ + j / 4) * kSets + (std::size_t{1} << j % 4)];
+        }
+        bool any() const { return std::ranges::any_of(block_, [](std::uint32_t block) { return block != 0; }); }
+
+    private:
+        static constexpr std::size_t kSets = 16;
+        std::size_t block_size() const { return rows_ * halves_ * kSets; }
+        std::size_t width_, rows_, halves_;  // schemas and none; arguments; sets of four arguments
+        std::vector<std::uint32_t> block_;   // schema of a step, of the other
+        std::vector<Weight> sums_;           // block, argument, half, set
+    };
+    // Scores of steps whose labels are still to be appended: all in one loop, where the processor keeps the labels in registers.
     template <class Labels>
     struct Batch {
         explicit Batch(Labels& all_labels) : labels(all_labels) {}
-        struct Step {
-            double score;
-            bool is_human;
-        };
         Labels& labels;
-        std::array<Step, 64> steps;
+        std::array<double, 64> scores;
         std::size_t size = 0;
     };
     struct Context {
         Situation situation;
         Chain chain;         // all steps but the last
-        double pending = 0;  // score of the last step, but for its look-ahead
+        double pending = 0;  // score of the last step, but for its look-ahead; kExplicable for a human's
         double charge = 0;   // for what the human has done
         std::int32_t num_steps = 0;
     };
@@ -119,7 +144,7 @@ private:
         return context;
     }
     std::uint64_t situation_key(const Context& context) const;
-    void share_arguments(const std::vector<double>& after, const std::vector<double>& before);
+    void sum_up(const FeatureWeights& weights);
     void find_bounds();
     double from_right(double z) const;
     Span from_last(const Context& context) const;
@@ -132,24 +157,25 @@ private:
     void advance(Context& context, Labels& labels, OperatorId step, const OpenGoals& goals) const;
     template <class Labels>
     void walk(Context& context, Labels& labels, const State& state, std::span<const OperatorId> relaxed_plan) const;
-    // What a robot's step scores but for what it shares with the last, and for its look-ahead; `neighbour` is how the steps
-    // beside it see it.
+    // What a robot's step scores but for what it shares with the steps beside it; `neighbour` is how they see it.
     double step_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const;
-    Equalities equalities(OperatorId step, OperatorId last) const;
-    double equality_with_human(OperatorId step, OperatorId human) const;
-    double look_ahead(const Situation& situation, OperatorId next, int neighbour) const;
-    double look_ahead(const Situation& situation, OperatorId next, int neighbour, double equal) const;
+    // Of the last step and of `next`, which may be -1: the end.
+    Pair pair_score(const Situation& situation, OperatorId next, int neighbour) const;
+    double look_ahead(const Situation& situation, OperatorId next, int neighbour) const {
+        return pair_score(situation, next, neighbour).of_last;
+    }
+    double taking_back(const Situation& situation, OperatorId step) const;
     bool fulfils_open(const Situation& situation, OperatorId step) const;
     void remember(Situation& situation, OperatorId step, int neighbour) const;
-    void append(Chain& chain, bool is_human, double score) const;
-    void append_best(Chain& chain, bool is_human, double score) const;
-    void append_expected(Chain& chain, bool is_human, double score) const;
+    void append(Chain& chain, double score) const;
+    void append_best(Chain& chain, double score) const;
+    void append_expected(Chain& chain, double score) const;
     template <int kPowers>
-    void append(Tally<kPowers>& tally, bool is_human, double score) const {
-        tally.append(factors_, is_human ? -std::numeric_limits<double>::infinity() : score);
+    void append(Tally<kPowers>& tally, double score) const {
+        tally.append(factors_, score);
     }
     template <class Labels>
-    void append(Batch<Labels>& batch, bool is_human, double score) const;
+    void append(Batch<Labels>& batch, double score) const;
     template <class Labels>
     void flush(Batch<Labels>& batch) const;
     template <int kPowers>
@@ -157,30 +183,29 @@ private:
         return {chain.odds, chain.count, chain.variance, chain.is_empty};
     }
     bool is_human(OperatorId step) const { return (*tables_)[step].is_human; }
-    std::size_t schema_of(OperatorId step) const {
-        return step < 0 ? num_schemas_ : static_cast<std::size_t>((*tables_)[step].schema);
-    }
+    std::size_t schema_of(OperatorId step) const { return static_cast<std::size_t>((*tables_)[step].schema); }
 
     Context start_;
     const Task& task_;
     std::shared_ptr<const TeamTables> tables_;
-    // Weights, those that are always added together summed up beforehand; the index begins with the schema.
-    std::vector<double> after_, before_;   // schema of the step beside, or none
-    std::vector<Equalities> same_;     // schema of the step before, pair of arguments
-    std::vector<double> same_human_;   // schema of the last human step, pair of arguments
-    std::vector<std::uint8_t> may_share_;  // schema of the step before: whether any of `same_` is not 0
-    std::vector<double> undoes_, returns_, unbelieved_;
+    // Weights, those that are always added together summed up beforehand. Kinds of progress are indexed as they are coded.
+    static constexpr std::size_t kCodes = 16;  // of a kind of progress
     std::vector<double> own_;              // operator; empty if no operator has a score of its own
-    std::vector<double> request_;          // progress in both models
-    std::vector<double> goals_;            // progress toward the nearest in both models, and of the mission
+    std::vector<double> alone_;            // schema, whether the mental task has the step
+    std::vector<double> undoes_, returns_; // schema
+    std::vector<double> request_;          // schema, progress in both models
+    std::vector<double> goals_;            // schema, progress of the mission, and toward the nearest in both models
     std::vector<double> request_mission_;  // both kinds of progress
-    std::vector<double> trend_, outlook_;  // progress, what stands beside
+    std::vector<Pair> schemas_;            // schema of a step, or none; of the step before, or none
+    std::vector<Pair> beside_;             // what the step after, the step before is to its neighbour
+    EqualityWeights<Pair> same_;           // step and step before
+    EqualityWeights<double> same_human_;   // step and last human step
     std::shared_ptr<const HumanChoices> choices_;  // none: nothing is charged
     HumanWeights human_weights_{};
     double price_of_surprise_ = 0;
     Transitions transitions_;
     Transitions factors_;  // exp of the transitions, the largest scaled to 1
-    std::size_t num_schemas_, num_compared_;  // arguments
+    std::size_t num_schemas_;
     bool expected_, uses_returns_, uses_human_;
     // What neighbours can say, in log odds of "inexplicable": the label before a step; the label after it, of a robot's step
     // and of a human's, which is always explicable.
@@ -190,6 +215,49 @@ private:
     double coupling_ = 0;        // how far a label can move the expectation of its neighbour's, all else fixed
     double returns_least_ = 0, returns_effect_ = 0;
     std::vector<Span> look_;  // schema of a step: its look-ahead features but for `outlook`
+    std::array<Span, kNumNeighbours> outlook_{};
 };
+
+template <class Weight>
+template <class F>
+Scorer::EqualityWeights<Weight>::EqualityWeights(const TeamTables& tables, F weight)
+    : width_(static_cast<std::size_t>(tables.num_schemas) + 1),
+      rows_(std::min(tables.max_arity, kMaxArguments)),
+      halves_(rows_ > 4 ? 2 : 1),
+      block_(width_ * width_),
+      sums_(std::max<std::size_t>(block_size(), 1)) {
+    const std::size_t num_schemas = width_ - 1;
+    std::vector<Weight> block;
+    for (std::size_t step = 0; step < num_schemas; ++step) {
+        for (std::size_t other = 0; other < num_schemas; ++other) {
+            block.clear();
+            for (std::size_t i = 0; i < std::min(tables.arity[step], kMaxArguments); ++i) {
+                for (std::size_t j = 0; j < std::min(tables.arity[other], kMaxArguments); ++j) {
+                    const Weight one = weight(step, other, i, j);
+                    if (one == Weight{}) continue;
+                    block.resize(block_size());
+                    for (std::size_t set = 0; set < kSets; ++set)
+                        if (set >> j % 4 & 1) block[(i * halves_ + j / 4) * kSets + set] += one;
+                }
+            }
+            if (block.empty()) continue;
+            block_[step * width_ + other] = static_cast<std::uint32_t>(sums_.size());
+            sums_.insert(sums_.end(), block.begin(), block.end());
+        }
+    }
+}
+
+template <class Weight>
+inline Weight Scorer::EqualityWeights<Weight>::of(const TeamStep& step, const TeamStep& other) const {
+    Weight sum{};
+    const auto block = block_[static_cast<std::size_t>(step.schema) * width_ + static_cast<std::size_t>(other.schema)];
+    if (block == 0) return sum;
+    const Weight* sums = sums_.data() + block;
+    for (std::size_t i = 0; i < rows_; ++i, sums += kSets) {
+        sum += sums[equal_in_four(step.arguments[i], other.arguments.data())];
+        if (halves_ > 1) sum += (sums += kSets)[equal_in_four(step.arguments[i], other.arguments.data() + 4)];
+    }
+    return sum;
+}
 
 }  // namespace explicable

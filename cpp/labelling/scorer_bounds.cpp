@@ -31,30 +31,33 @@ void Scorer::find_bounds() {
         returns_least_ = std::min(returns_least_, weight);
         returns_effect_ = std::max(returns_effect_, std::abs(weight));
     }
-    const std::size_t pairs = num_compared_ * num_compared_;
     for (std::size_t schema = 0; schema < num_schemas_; ++schema) {
-        const double* const before = before_.data() + schema * (num_schemas_ + 1);
-        Span span{before[num_schemas_], before[num_schemas_]};
+        const auto before = [this, schema](std::size_t next) { return schemas_[next * (num_schemas_ + 1) + schema].of_last; };
+        Span span{before(num_schemas_), before(num_schemas_)};
         for (std::size_t next = 0; next < num_schemas_; ++next) {
-            Span equalities{before[next], before[next]};
-            for (std::size_t pair = 0; pair < pairs; ++pair) {
-                const double weight = same_[(next * num_schemas_ + schema) * pairs + pair].of_last;
-                (weight < 0 ? equalities.least : equalities.greatest) += weight;
-            }
+            Span equalities{before(next), before(next)};
+            for (std::size_t i = 0; i < std::min(tables_->arity[next], kMaxArguments); ++i)
+                for (std::size_t j = 0; j < std::min(tables_->arity[schema], kMaxArguments); ++j) {
+                    const double weight = same_.weight(next, schema, i, j).of_last;
+                    (weight < 0 ? equalities.least : equalities.greatest) += weight;
+                }
             span.cover(equalities.least);
             span.cover(equalities.greatest);
         }
         look_.push_back(span);
+    }
+    for (std::size_t last = 0; last < kNumNeighbours; ++last) {
+        Span& span = outlook_[last] = {beside_[last].of_last, beside_[last].of_last};
+        for (std::size_t next = 1; next < kNumNeighbours; ++next) span.cover(beside_[next * kNumNeighbours + last].of_last);
     }
 }
 
 // What the step after the last, a robot's, can add to the score of the last.
 Scorer::Span Scorer::look_ahead_span(const Situation& situation) const {
     Span span = look_[schema_of(situation.last)];
-    const auto outlook = std::span(outlook_).subspan(static_cast<std::size_t>(situation.neighbour) * kNumNeighbours, kNumNeighbours);
-    const auto [least, greatest] = std::ranges::minmax(outlook);
-    span.least += least;
-    span.greatest += greatest;
+    const Span& outlook = outlook_[static_cast<std::size_t>(situation.neighbour)];
+    span.least += outlook.least;
+    span.greatest += outlook.greatest;
     return span;
 }
 
@@ -150,8 +153,8 @@ double Scorer::lead(const std::byte* first, const std::byte* second, const State
     Context a = read(first), b = read(second);
     if (a.num_steps == 0 || b.num_steps == 0) return a.num_steps == b.num_steps ? 0 : kUnknown;
     const bool human = is_human(a.situation.last);
-    append(a.chain, human, a.pending);
-    append(b.chain, human, b.pending);
+    append(a.chain, a.pending);
+    append(b.chain, b.pending);
     if (human) return a.chain.count[0] - b.chain.count[0] + effect_of_history(a.situation, b.situation);
     const double at_end = look_ahead(a.situation, -1, kNothing);
     Span right = look_ahead_span(a.situation);

@@ -1,26 +1,20 @@
 // What a scorer keeps of the labels of a path: the forward pass and Viterbi's, one step at a time.
 #include <cmath>
-#include <limits>
 
 #include "labelling/scorer.hpp"
 
 namespace explicable {
-namespace {
 
-constexpr double kImpossible = -std::numeric_limits<double>::infinity();
-
-}  // namespace
-
-void Scorer::append(Chain& chain, bool is_human, double score) const {
+void Scorer::append(Chain& chain, double score) const {
     if (expected_)
-        append_expected(chain, is_human, score);
+        append_expected(chain, score);
     else
-        append_best(chain, is_human, score);
+        append_best(chain, score);
     chain.is_empty = false;
 }
 
 // Viterbi's step; ties go to "explicable", the first label.
-void Scorer::append_best(Chain& chain, bool is_human, double score) const {
+void Scorer::append_best(Chain& chain, double score) const {
     std::array<double, 2> best{0, score};
     std::array<double, 2> count{0, 1};
     if (!chain.is_empty) {
@@ -31,12 +25,12 @@ void Scorer::append_best(Chain& chain, bool is_human, double score) const {
             count[j] += chain.count[before];
         }
     }
-    chain.odds = is_human ? kImpossible : best[1] - best[0];
-    chain.count = {count[0], is_human ? count[0] : count[1]};
+    chain.odds = best[1] - best[0];
+    chain.count = {count[0], score == kExplicable ? count[0] : count[1]};
 }
 
 // The forward pass, with mean and variance of the number of inexplicable steps given the label of the last.
-void Scorer::append_expected(Chain& chain, bool is_human, double score) const {
+void Scorer::append_expected(Chain& chain, double score) const {
     std::array<double, 2> weight{1, 1};
     std::array<double, 2> mean{0, 1}, variance{0, 0};
     if (!chain.is_empty) {
@@ -51,7 +45,7 @@ void Scorer::append_expected(Chain& chain, bool is_human, double score) const {
                           share * (1 - share) * spread * spread;
         }
     }
-    if (is_human) {
+    if (score == kExplicable) {
         chain.odds = 0;
         chain.count = {mean[0], mean[0]};
         chain.variance = {variance[0], variance[0]};

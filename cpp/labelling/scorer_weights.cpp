@@ -14,50 +14,42 @@ bool any(const std::vector<double>& weights) {
     return std::ranges::any_of(weights, [](double weight) { return weight != 0; });
 }
 
+// Weight of argument i of `step` being argument j of `other`.
+double of_arguments(const TeamTables& tables, const std::vector<double>& weights, std::size_t step, std::size_t other,
+                    std::size_t i, std::size_t j) {
+    const std::size_t count = std::min(tables.max_arity, kMaxArguments);
+    return weights[((step * static_cast<std::size_t>(tables.num_schemas) + other) * count + i) * count + j];
+}
+
 }  // namespace
 
 Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const FeatureWeights& weights,
                std::vector<double> own, Transitions transitions, bool expected)
     : task_(task),
       tables_(std::move(tables)),
-      after_(weights.of(Template::kAfter)),
-      before_(weights.of(Template::kBefore)),
-      same_human_(weights.of(Template::kSameHuman)),
+      own_(std::move(own)),
       undoes_(weights.of(Template::kUndoes)),
       returns_(weights.of(Template::kReturns)),
-      unbelieved_(weights.of(Template::kUnbelieved)),
-      own_(std::move(own)),
-      request_mission_(weights.of(Template::kRequestMission)),
-      trend_(weights.of(Template::kTrend)),
-      outlook_(weights.of(Template::kOutlook)),
+      same_(*tables_,
+            [&](std::size_t step, std::size_t last, std::size_t i, std::size_t j) {
+                return Pair{of_arguments(*tables_, weights.of(Template::kSameAfter), step, last, i, j),
+                            of_arguments(*tables_, weights.of(Template::kSameBefore), last, step, j, i)};
+            }),
+      same_human_(*tables_,
+                  [&](std::size_t step, std::size_t human, std::size_t i, std::size_t j) {
+                      return of_arguments(*tables_, weights.of(Template::kSameHuman), step, human, i, j);
+                  }),
       transitions_(transitions),
       factors_(),
       num_schemas_(static_cast<std::size_t>(tables_->num_schemas)),
-      num_compared_(std::min(tables_->max_arity, kMaxArguments)),
       expected_(expected),
       uses_returns_(any(returns_)),
-      uses_human_(any(same_human_)) {
-    constexpr std::size_t n = kNumProgress;
-    for (std::size_t schema = 0; schema < num_schemas_; ++schema) {
-        for (std::size_t last = 0; last <= num_schemas_; ++last)
-            after_[schema * (num_schemas_ + 1) + last] += weights.of(Template::kStep)[schema];
-        for (std::size_t mental = 0; mental < n; ++mental) {
-            for (std::size_t own = 0; own < n; ++own) {
-                request_.push_back(weights.of(Template::kRequestMental)[schema * n + mental] +
-                                   weights.of(Template::kRequestOwn)[schema * n + own] +
-                                   weights.of(Template::kRequestModels)[mental * n + own]);
-                for (std::size_t mission = 0; mission < n; ++mission)
-                    goals_.push_back(weights.of(Template::kGoalMental)[schema * n + mental] +
-                                     weights.of(Template::kGoalOwn)[schema * n + own] +
-                                     weights.of(Template::kMission)[schema * n + mission]);
-            }
-        }
-    }
+      uses_human_(same_human_.any()) {
     if (!own_.empty() && own_.size() != static_cast<std::size_t>(tables_->num_operators()))
         throw std::invalid_argument("one score an operator is needed, or none");
     if (!std::ranges::all_of(own_, [](double score) { return std::isfinite(score); }))
         throw std::invalid_argument("a score is not finite");
-    share_arguments(weights.of(Template::kSameAfter), weights.of(Template::kSameBefore));
+    sum_up(weights);
     double largest = -std::numeric_limits<double>::infinity();
     for (const auto& row : transitions)
         for (const auto transition : row) {
@@ -69,19 +61,44 @@ Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const
     find_bounds();
 }
 
-void Scorer::share_arguments(const std::vector<double>& after, const std::vector<double>& before) {
-    const std::size_t n = num_schemas_, count = num_compared_;
-    for (std::size_t step = 0; step < n; ++step) {
-        for (std::size_t last = 0; last < n; ++last) {
-            may_share_.push_back(0);
-            for (std::size_t i = 0; i < count; ++i) {
-                for (std::size_t j = 0; j < count; ++j) {
-                    const Equalities weight{after[((step * n + last) * count + i) * count + j],
-                                            before[((last * n + step) * count + j) * count + i]};
-                    if (weight.of_step != 0 || weight.of_last != 0) may_share_.back() = 1;
-                    same_.push_back(weight);
-                }
+void Scorer::sum_up(const FeatureWeights& weights) {
+    constexpr std::size_t n = kNumProgress, k = kCodes;
+    for (std::size_t schema = 0; schema < num_schemas_; ++schema) {
+        const double step = weights.of(Template::kStep)[schema];
+        alone_.insert(alone_.end(), {step + weights.of(Template::kUnbelieved)[schema], step});
+    }
+    request_.resize(num_schemas_ * k * k);
+    goals_.resize(num_schemas_ * k * k * k);
+    for (std::size_t schema = 0; schema < num_schemas_; ++schema) {
+        for (std::size_t mental = 0; mental < n; ++mental) {
+            for (std::size_t own = 0; own < n; ++own) {
+                request_[(schema * k + mental) * k + own] = weights.of(Template::kRequestMental)[schema * n + mental] +
+                                                            weights.of(Template::kRequestOwn)[schema * n + own] +
+                                                            weights.of(Template::kRequestModels)[mental * n + own];
+                for (std::size_t mission = 0; mission < n; ++mission)
+                    goals_[((schema * k + mission) * k + own) * k + mental] =
+                        weights.of(Template::kGoalMental)[schema * n + mental] +
+                        weights.of(Template::kGoalOwn)[schema * n + own] + weights.of(Template::kMission)[schema * n + mission];
             }
+        }
+    }
+    request_mission_.resize(k * k);
+    for (std::size_t request = 0; request < n; ++request)
+        for (std::size_t mission = 0; mission < n; ++mission)
+            request_mission_[request * k + mission] = weights.of(Template::kRequestMission)[request * n + mission];
+    const std::size_t width = num_schemas_ + 1;
+    schemas_.resize(width * width);
+    for (std::size_t schema = 0; schema < num_schemas_; ++schema) {
+        for (std::size_t other = 0; other < width; ++other) {
+            schemas_[schema * width + other].of_step = weights.of(Template::kAfter)[schema * width + other];
+            schemas_[other * width + schema].of_last = weights.of(Template::kBefore)[schema * width + other];
+        }
+    }
+    beside_.resize(kNumNeighbours * kNumNeighbours);
+    for (std::size_t mine = 0; mine < n; ++mine) {
+        for (std::size_t other = 0; other < kNumNeighbours; ++other) {
+            beside_[mine * kNumNeighbours + other].of_step = weights.of(Template::kTrend)[mine * kNumNeighbours + other];
+            beside_[other * kNumNeighbours + mine].of_last = weights.of(Template::kOutlook)[mine * kNumNeighbours + other];
         }
     }
 }

@@ -22,9 +22,13 @@ std::vector<std::uint8_t> human_operators(const Task& task, const std::vector<st
     return flags;
 }
 
-std::uint64_t mask_of(std::span<const FactId> facts) {
-    std::uint64_t mask = 0;
-    for (const auto fact : facts) mask |= std::uint64_t{1} << (fact & 63);
+// Three bits for each fact (Bloom 1970).
+std::uint32_t mask_of(std::span<const FactId> facts) {
+    std::uint32_t mask = 0;
+    for (const auto fact : facts) {
+        const auto mixed = static_cast<std::uint32_t>(fact) * 0x9E3779B1u;
+        for (const int shift : {27, 22, 17}) mask |= std::uint32_t{1} << (mixed >> shift & 31);
+    }
     return mask;
 }
 
@@ -64,13 +68,20 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
     for (const auto fact : goals)
         if (fact < 0 || fact >= composite.num_facts()) throw std::invalid_argument("a goal is no fact of the task");
     num_schemas = static_cast<int>(names.schema.size());
+    TeamStep none;
+    none.schema = num_schemas;
+    none.adds = ~std::uint32_t{0};
+    steps_.push_back(none);
+    arity.resize(names.schema.size());
     if (names.object.size() != human_objects.size()) throw std::invalid_argument("one flag an object is needed");
     for (OperatorId op = 0; op < num_operators; ++op) {
         if (composite.operator_schema[op] >= num_schemas) throw std::invalid_argument("a schema has no name");
         for (const auto argument : composite.operator_arguments[op])
             if (static_cast<std::size_t>(argument) >= names.object.size())
                 throw std::invalid_argument("an object has no name");
-        max_arity = std::max(max_arity, composite.operator_arguments[op].size());
+        const auto count = composite.operator_arguments[op].size();
+        max_arity = std::max(max_arity, count);
+        if (const auto schema = composite.operator_schema[op]; schema >= 0) arity[schema] = std::max(arity[schema], count);
     }
     deletes_ = composite.deletes;
     const auto human = human_operators(composite, human_objects);
@@ -85,12 +96,13 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
         step.is_human = human[op] != 0;
         step.in_mental = head >= 0 && translate_objects(objects, names.object, translated) &&
                          !in_mental_task.find_operators(head, translated).empty();
-        step.adds = mask_of(adds_[op]);
+        step.adds = adds_[op].empty() ? ~std::uint32_t{0} : mask_of(adds_[op]);
         step.deletes = mask_of(deletes_[op]);
         std::ranges::copy(objects.first(std::min(objects.size(), kMaxArguments)), step.arguments.begin());
         steps_.push_back(step);
     }
 
+    for (const auto fact : goals) places_of_goals_.push_back({composite.fact_variable[fact], composite.fact_value[fact]});
     find_requests(composite);
     find_goals(composite);
 
@@ -112,8 +124,8 @@ void TeamTables::find_requests(const Task& task) {
     std::vector<bool> needed(static_cast<std::size_t>(task.num_facts())), shared(needed);
     std::vector<OperatorId> first_adder(static_cast<std::size_t>(task.num_facts()), -1);
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
-        if (steps_[op].schema < 0) continue;  // auxiliary: nobody's
-        if (!steps_[op].is_human) {
+        if ((*this)[op].schema < 0) continue;  // auxiliary: nobody's
+        if (!(*this)[op].is_human) {
             for (const auto fact : task.preconditions[op]) needed[fact] = true;
             continue;
         }
@@ -130,7 +142,7 @@ void TeamTables::find_requests(const Task& task) {
     std::vector<std::vector<std::int32_t>> requests_of_fact(static_cast<std::size_t>(task.num_facts()));
     asks_for.assign(static_cast<std::size_t>(task.num_operators()), -1);
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
-        if (!steps_[op].is_human) continue;
+        if (!(*this)[op].is_human) continue;
         std::vector<FactId> facts;
         std::ranges::copy_if(task.adds[op], std::back_inserter(facts), is_asked_for);
         if (facts.empty()) continue;
@@ -142,11 +154,11 @@ void TeamTables::find_requests(const Task& task) {
     }
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
         std::set<std::int32_t> fulfilled;
-        if (!steps_[op].is_human && steps_[op].schema >= 0)
+        if (!(*this)[op].is_human && (*this)[op].schema >= 0)
             for (const auto fact : task.preconditions[op])
                 fulfilled.insert(requests_of_fact[fact].begin(), requests_of_fact[fact].end());
         fulfils.push_back(fulfilled);
-        steps_[op].fulfils = !fulfilled.empty();
+        steps_[op + 1].fulfils = !fulfilled.empty();
     }
 }
 
@@ -163,12 +175,12 @@ void TeamTables::find_goals(const Task& task) {
         for (const auto fact : all_adds(task, op))
             if (goal_of_fact[fact] >= 0) achieved.push_back(goal_of_fact[fact]);
         achieves.push_back(achieved);
-        steps_[op].achieves = !achieved.empty();
+        steps_[op + 1].achieves = !achieved.empty();
     }
 }
 
 bool TeamTables::surely_takes_back(OperatorId step, OperatorId earlier) const {
-    return std::ranges::includes(deletes_[earlier], adds_[step]);
+    return earlier >= 0 && !adds_[step].empty() && std::ranges::includes(deletes_[earlier], adds_[step]);
 }
 
 }  // namespace explicable

@@ -50,45 +50,83 @@ bool translate_objects(std::span<const std::int32_t> arguments, const std::vecto
 // The mental task's number of each fact of the composite task, or -1.
 std::vector<FactId> find_mental_facts(const Task& composite, const Task& mental, const MentalNames& names);
 
-// The goals that are not fulfilled.
+// The goals that are not fulfilled, a bit for each.
 class OpenGoals {
 public:
-    explicit OpenGoals(std::size_t num_goals) : count_(num_goals), num_open_(num_goals) {
-        if (num_goals > few_.size()) many_.resize(num_goals + kLanes);  // read in lanes
-        if (num_goals <= kMaxTourGoals) bits_ = (std::uint32_t{1} << num_goals) - 1;
+    explicit OpenGoals(std::size_t num_goals) {
+        if (num_goals < kWord) {
+            first_ = (std::uint64_t{1} << num_goals) - 1;
+            return;
+        }
+        others_.assign(num_goals / kWord, ~std::uint64_t{0});
+        others_.back() = (std::uint64_t{1} << num_goals % kWord) - 1;
     }
-    OpenGoals(const OpenGoals&) = delete;
 
-    void close(std::size_t goal) {
-        auto& distance = mask()[goal];
-        num_open_ -= distance == 0;
-        distance = kNoWay;
-        if (count_ <= kMaxTourGoals) bits_ &= ~(std::uint32_t{1} << goal);
+    void close(std::size_t goal) { word(goal) &= ~(std::uint64_t{1} << goal % kWord); }
+    bool is_open(std::size_t goal) const { return word(goal) >> goal % kWord & 1; }
+    bool none() const {
+        return first_ == 0 && std::ranges::all_of(others_, [](std::uint64_t bits) { return bits == 0; });
     }
-    std::size_t num_open() const { return num_open_; }
-    std::uint32_t bits() const { return bits_; }  // only if there are no more than kMaxTourGoals
-    // kNoWay for a goal that is fulfilled, 0 for an open one.
-    const Distance* closed() const { return count_ > few_.size() ? many_.data() : few_.data(); }
-    bool is_open(std::size_t goal) const { return closed()[goal] == 0; }
+    std::uint64_t bits() const { return first_; }  // all of them if there are no more than 64
+    // Of `goal`, a multiple of kLanes, and those after it: kNoWay for a goal that is fulfilled, 0 for an open one.
+    Lanes closed(std::size_t goal) const { return Lanes::where_clear(static_cast<unsigned>(word(goal) >> goal % kWord & 255)); }
 
 private:
-    Distance* mask() { return count_ > few_.size() ? many_.data() : few_.data(); }
+    static constexpr std::size_t kWord = 64;
+    std::uint64_t& word(std::size_t goal) { return goal < kWord ? first_ : others_[goal / kWord - 1]; }
+    std::uint64_t word(std::size_t goal) const { return goal < kWord ? first_ : others_[goal / kWord - 1]; }
 
-    std::array<Distance, 32> few_{};
-    std::vector<Distance> many_;
-    std::size_t count_, num_open_;
-    std::uint32_t bits_ = 0;
+    std::uint64_t first_ = ~std::uint64_t{0};
+    std::vector<std::uint64_t> others_;
 };
 
-// Progress of a robot's step toward the open goals.
+// Progress of a robot's step toward the open goals: four bits each.
 struct GoalProgress {
-    Progress mental, own;  // toward the nearest
-    Progress mission;      // along the best order of all, in the mental model; toward the nearest if there are too many
+    std::uint16_t code = 0;
+
+    GoalProgress(Progress mental, Progress own, Progress mission)
+        : code(static_cast<std::uint16_t>(static_cast<unsigned>(mission) << 8 | static_cast<unsigned>(own) << 4 |
+                                          static_cast<unsigned>(mental))) {}
+    explicit GoalProgress(unsigned known) : code(static_cast<std::uint16_t>(known)) {}
+    Progress mental() const { return static_cast<Progress>(code & 15); }  // toward the nearest
+    Progress own() const { return static_cast<Progress>(code >> 4 & 15); }
+    // Along the best order of all, in the mental model; toward the nearest if there are too many.
+    Progress mission() const { return static_cast<Progress>(code >> 8); }
 };
 
-// Progress of a robot's step toward what is requested.
+// Progress of a robot's step toward what is requested: four bits each.
 struct RequestProgress {
-    Progress mental, own;
+    std::uint8_t code = 0;
+
+    RequestProgress(Progress mental, Progress own)
+        : code(static_cast<std::uint8_t>(static_cast<unsigned>(mental) << 4 | static_cast<unsigned>(own))) {}
+    explicit RequestProgress(std::uint8_t known) : code(known) {}
+    Progress mental() const { return static_cast<Progress>(code >> 4); }
+    Progress own() const { return static_cast<Progress>(code & 15); }
+};
+
+// What toward_goals() has answered last about a step: for which open goals (bits), and what. The same steps are asked about again
+// and again while few goals change.
+class LastAnswer {
+public:
+    static constexpr std::size_t kMaxGoals = 48;  // so that there is no key of all ones
+
+    LastAnswer() = default;
+    LastAnswer(const LastAnswer& other) : all_(other.all_.load(std::memory_order_relaxed)) {}
+
+    // Whoever asks about the same goals is told the same, in whatever order threads come.
+    template <class Find>
+    GoalProgress of(std::uint64_t goals, Find find) {
+        const auto known = all_.load(std::memory_order_relaxed);
+        if (known >> kBits == goals) return GoalProgress(known & ((1u << kBits) - 1));
+        const GoalProgress found = find();
+        all_.store(goals << kBits | found.code, std::memory_order_relaxed);
+        return found;
+    }
+
+private:
+    static constexpr int kBits = 12;
+    std::atomic<std::uint64_t> all_{~std::uint64_t{0}};
 };
 
 // What most features ask of an operator, in one cache line.
@@ -98,11 +136,12 @@ struct alignas(64) TeamStep {
     bool in_mental = false;  // the mental task has it
     bool fulfils = false;    // some request
     bool achieves = false;   // some goal
-    bool models_agree = false;  // on how far its places are from all goals
-    std::int32_t from = 0, to = 0;       // places
-    std::uint64_t adds = 0, deletes = 0;  // a bit for each fact, shared by many
+    std::uint32_t adds = 0, deletes = 0;  // some bits for each fact, shared by many
+    std::uint64_t concerned = 0;          // a bit for each goal on which its progress toward the goals depends
+    mutable LastAnswer toward_goals;
     std::array<std::int32_t, kMaxArguments> arguments{-1, -1, -1, -1, -1, -1, -1, -1};
 };
+static_assert(sizeof(TeamStep) == 64);
 
 class TeamTables {
 public:
@@ -113,8 +152,9 @@ public:
 
     static constexpr std::size_t kMaxEntries = std::size_t{1} << 28;
 
-    std::int32_t num_operators() const { return static_cast<std::int32_t>(steps_.size()); }
-    const TeamStep& operator[](OperatorId step) const { return steps_[static_cast<std::size_t>(step)]; }
+    std::int32_t num_operators() const { return static_cast<std::int32_t>(steps_.size()) - 1; }
+    // -1: no step, of the schema `num_schemas`.
+    const TeamStep& operator[](OperatorId step) const { return steps_.data()[step + 1]; }
     int num_requests() const { return request_facts.size(); }
     // A request stands until all its facts are gone.
     bool stands(const Task& task, const State& state, std::int32_t request) const;
@@ -122,39 +162,36 @@ public:
     // `request` may be -1: nothing is requested.
     RequestProgress toward_request(OperatorId step, int request) const {
         if (request < 0) return {Progress::kNoTarget, Progress::kNoTarget};
-        const auto code = toward_request_[static_cast<std::size_t>(step) * static_cast<std::size_t>(num_requests()) +
-                                          static_cast<std::size_t>(request)];
-        return {static_cast<Progress>(code >> 4), static_cast<Progress>(code & 15)};
+        return RequestProgress(toward_request_[place_of(step, request)]);
     }
-    GoalProgress toward_goals(OperatorId step, const OpenGoals& goals) const {
-        if (!remembered_) return find_toward_goals(step, goals);
-        const unsigned code = remembered_[goals.bits() * steps_.size() + static_cast<std::size_t>(step)].load(std::memory_order_relaxed);
-        if (code == 0) return find_toward_goals(step, goals);
-        return {static_cast<Progress>(code & 15), static_cast<Progress>(code >> 4 & 15), static_cast<Progress>(code >> 8 & 15)};
+    GoalProgress toward_goals(OperatorId step, const OpenGoals& open) const {
+        if (open.none()) return {Progress::kNoTarget, Progress::kNoTarget, Progress::kNoTarget};
+        const auto find = [&] { return find_toward_goals(step, open); };
+        if (goals.size() > LastAnswer::kMaxGoals) return find();
+        return (*this)[step].toward_goals.of(open.bits() & (*this)[step].concerned, find);
+    }
+    // The goals that do not hold in a state.
+    OpenGoals open_goals(const State& state) const {
+        OpenGoals open(goals.size());
+        for (std::size_t goal = 0; goal < goals.size(); ++goal)
+            if (state.values[places_of_goals_[goal].variable] == places_of_goals_[goal].value) open.close(goal);
+        return open;
     }
     // Asks the processor to fetch what toward_request() and toward_goals() will read.
-    void prefetch(OperatorId step, int request, const OpenGoals& goals) const {
-        const auto place = static_cast<std::size_t>(step);
-        prefetch_line(steps_.data() + place);
-        if (request >= 0)
-            prefetch_line(toward_request_.data() + place * static_cast<std::size_t>(num_requests()) + static_cast<std::size_t>(request));
-        if (remembered_) prefetch_line(remembered_.get() + goals.bits() * steps_.size() + place);
+    void prefetch(OperatorId step, int request) const {
+        prefetch_line(&(*this)[step]);
+        if (request >= 0) prefetch_line(toward_request_.data() + place_of(step, request));
     }
     // Whether an earlier step, or -1 for none, had deleted all that `step` adds.
     bool takes_back(OperatorId step, OperatorId earlier) const {
-        if (earlier < 0) return false;
-        const auto adds = (*this)[step].adds;
-        return adds != 0 && (adds & ~(*this)[earlier].deletes) == 0 && surely_takes_back(step, earlier);
+        return may_take_back((*this)[step], (*this)[earlier]) && surely_takes_back(step, earlier);
     }
-    // Bit kMaxArguments * i + j: argument i of `step` is argument j of `other`.
-    std::uint64_t equal_arguments(OperatorId step, OperatorId other) const {
-        const auto* const mine = (*this)[step].arguments.data();
-        const auto* const theirs = (*this)[other].arguments.data();
-        return max_arity <= 4 ? equal_fours(mine, theirs) : equal_eights(mine, theirs);
-    }
+    // Quick; false only if it surely does not.
+    static bool may_take_back(const TeamStep& step, const TeamStep& earlier) { return (step.adds & ~earlier.deletes) == 0; }
 
     int num_schemas = 0;
     std::size_t max_arity = 0;
+    std::vector<std::size_t> arity;       // of schemas
     Table<FactId> request_facts;          // what a request adds
     std::vector<std::int32_t> asks_for;   // request of a human operator, or -1
     Table<std::int32_t> fulfils;          // requests that a robot's operator fulfils
@@ -163,28 +200,39 @@ public:
 
 private:
     bool surely_takes_back(OperatorId step, OperatorId earlier) const;
-    GoalProgress find_toward_goals(OperatorId step, const OpenGoals& goals) const;
-    GoalProgress look_toward_goals(OperatorId step, const OpenGoals& goals) const;
+    GoalProgress find_toward_goals(OperatorId step, const OpenGoals& open) const;
     void find_requests(const Task& task);
     void find_goals(const Task& task);
     void measure_requests(const class Measure& measure);
     void measure_goals(const class Measure& measure);
+    void find_concerned();
     void find_tours(const Task& task, const std::vector<Distance>& distances);
 
     const Distance* row(std::int32_t place, Model model) const {
         return distances_.data() + (2 * static_cast<std::size_t>(place) + static_cast<std::size_t>(model)) * width_;
     }
 
-    std::vector<std::uint8_t> toward_request_;  // operator x request: both kinds of progress, four bits each
-    std::vector<TeamStep> steps_;
+    std::size_t place_of(OperatorId step, int request) const {
+        return static_cast<std::size_t>(request) * static_cast<std::size_t>(num_operators()) + static_cast<std::size_t>(step);
+    }
+
+    std::vector<std::uint8_t> toward_request_;  // request x operator: codes of RequestProgress
+    std::vector<TeamStep> steps_;  // that which is none, then all operators
     std::size_t width_ = 0;  // number of goals, padded to a multiple of kLanes by goals to which there is no way
     // A place is a set of facts, as far from a goal as the nearest of them. A step leads from a place to a place.
     std::vector<Distance> distances_;  // place x model x goal
     std::vector<Distance> tours_;  // open goals (bits) x first goal: steps for the others, in the best order
     Table<FactId> adds_, deletes_;
-    // What toward_goals() has answered, by open goals (bits) and step; 0: not asked yet. Whoever writes writes the same.
-    static constexpr std::size_t kMaxRemembered = std::size_t{1} << 23;
-    std::unique_ptr<std::atomic<std::uint16_t>[]> remembered_;
+    struct Move {
+        std::int32_t from, to;  // places
+        bool models_agree;      // on how far they are from all goals
+    };
+    std::vector<Move> moves_;  // by operator
+    struct Value {
+        VariableId variable;
+        std::int32_t value;
+    };
+    std::vector<Value> places_of_goals_;
 };
 
 }  // namespace explicable

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from small_teams import first_response, problems, walk
 
+from explicable.first_response.encoding import encode
+from explicable.first_response.generator import generate
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.templates import PROGRESS, TEMPLATES, explain_feature, feature_code
 from explicable.model.grounding import ground_team
@@ -59,6 +61,38 @@ def test_progress_toward_goals_equals_the_oracle(team):
                 assert got[:2] == tuple(nearest), (left, team.task.action(operator))
                 tour = oracle.toward_goals(team, operator, {g: mental[g] for g in left}, rest(team, mental))
                 assert got[2] == tour, (left, team.task.action(operator))
+
+
+@pytest.mark.parametrize("num_goals", [12, 60, 70])
+def test_progress_toward_many_goals_is_that_toward_the_nearest(num_goals):
+    """Above ten goals no order is looked for; up to 48 answers are kept; up to 64 one word holds them."""
+    world = generate(
+        np.random.default_rng(num_goals), height=12, width=12, num_marks=num_goals, num_hidden=12
+    )
+    team = TeamFeatures(ground_team(encode(world)))
+    goals = [team.task.fact(fact) for fact in team.task.goal]
+    distances = [{g: oracle.to_goal(t, g) for g in goals} for t in (team.team.mental, team.task)]
+    rng = np.random.default_rng(0)
+    operators = robot_operators(team)
+    for share in (0.0, 0.5, 0.9, 1.0):
+        fulfilled = [bool(x < share) for x in rng.random(len(goals))]
+        left = [goal for goal, done in zip(goals, fulfilled, strict=True) if not done]
+        for operator in map(int, rng.choice(operators, 40)):
+            got = tuple(PROGRESS[p] for p in team.tables.toward_goals(operator, fulfilled))
+            adds, uses = oracle.added(team.task, operator), oracle.used_up(team.task, operator)
+            if not left or adds.intersection(left):
+                assert got == ("done" if left else "no-target",) * 3
+                continue
+            mental, own = (
+                oracle.judge(
+                    *(
+                        min((d[g].get(f, math.inf) for f in facts for g in left), default=math.inf)
+                        for facts in (uses, adds)
+                    )
+                )
+                for d in distances
+            )
+            assert got == (mental, own, mental), (left, team.task.action(operator))
 
 
 def rest(team, mental):
