@@ -29,6 +29,8 @@ test-slow: $(STAMP)
 # The sanitizer's library comes before everything else, and libstdc++ with it, so that it sees C++ exceptions.
 # Python keeps memory to its end, so leaks are not looked for.
 SANITIZED := .venv-sanitize
+# The sanitized core tells of objects that outlive Python, about which the other is silent: one test is about that.
+TELLS_OF_LEAKS := tests/model/test_task.py::test_a_process_may_end_while_a_thread_holds_a_task
 SANITIZED_TESTS := tests/search tests/model $(addprefix tests/labelling/test_,chain.py crf.py loss.py scorer.py least_objective.py)
 
 $(SANITIZED)/.installed: pyproject.toml constraints.txt CMakeLists.txt $(shell find cpp -type f)
@@ -38,7 +40,7 @@ $(SANITIZED)/.installed: pyproject.toml constraints.txt CMakeLists.txt $(shell f
 sanitize: $(SANITIZED)/.installed
 	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libstdc++.so)" \
 	ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
-	$(SANITIZED)/bin/python -m pytest -m "not slow" $(SANITIZED_TESTS)
+	$(SANITIZED)/bin/python -m pytest -m "not slow" --deselect $(TELLS_OF_LEAKS) $(SANITIZED_TESTS)
 
 # The peers get an environment of their own; one that can't be installed is listed as absent in the page.
 PEERS := .venv-bench
