@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER, naming_traces, read_labelled_traces
+from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER
+from explicable.cli.trace_files import naming_traces, read_labelled_traces
 
 if TYPE_CHECKING:
     from explicable.evaluation.demo import Record

@@ -4,22 +4,22 @@ import functools
 import math
 import os
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from explicable.errors import InputError, LabellerError, PlanError, TraceError, UsageError
+from explicable.errors import InputError, LabellerError, PlanError
 from explicable.model.plan import find_step, read_plan
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
 
 if TYPE_CHECKING:
-    from explicable.labelling import LabelledPlan, Labeller, Trace
+    from explicable.labelling import LabelledPlan, Labeller
     from explicable.model.team import TeamTask
-    from explicable.planning import HumanModel, Telling
+    from explicable.planning import Telling
 
 INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 _ADDRESSABLE = 1 << 62  # bytes: more is no limit at all
@@ -237,68 +237,6 @@ def naming(path: Path, kind: type[InputError]) -> Iterator[None]:
     except kind as error:
         error.path = error.path or path
         raise
-
-
-def read_trace_files(*files: Path) -> "list[Trace]":
-    """Read trace files, each once, with a warning where one was named again; an empty one is refused."""
-    from explicable.labelling import read_traces
-
-    traces: list[Trace] = []
-    seen: set[Path] = set()
-    for file in files:
-        if file.resolve() in seen:
-            warn(f"{file}: named more than once; its traces count once")
-            continue
-        seen.add(file.resolve())
-        found = read_traces(file)
-        if not found:
-            raise TraceError("there is no trace in it", path=file)
-        traces += found
-    return traces
-
-
-def read_labelled_traces(*files: Path) -> "list[Trace]":
-    """Read traces to learn from: at least one label must be there."""
-    traces = read_trace_files(*files)
-    if not any(step.label is not None for trace in traces for step in trace.steps):
-        raise TraceError("no step has a label: there is nothing to learn from", path=files[0])
-    return traces
-
-
-def find_faults(file: Path, traces: "Sequence[Trace]") -> list[TraceError]:
-    """Execute the traces of a file, and list what is wrong, by line."""
-    from explicable.labelling import check_traces
-
-    faults = check_traces(traces, file)
-    lines = [number for number, line in enumerate(file.read_bytes().split(b"\n"), start=1) if line.strip()]
-    for fault in faults:
-        fault.line = None if fault.line is None else lines[fault.line - 1]
-    return faults
-
-
-@contextmanager
-def naming_traces(*files: Path) -> Iterator[None]:
-    """Let an error about a trace that can't be executed name its file and line."""
-    from explicable.labelling import read_traces
-
-    try:
-        yield
-    except (PlanError, TraceError) as error:
-        if error.path is None:
-            for fault in (fault for file in files for fault in find_faults(file, read_traces(file))):
-                raise fault from error
-        raise
-
-
-def read_human_model(file: Path) -> "HumanModel":
-    """Learn from the traces of a file what people do; one in which nobody does anything is refused."""
-    from explicable.planning import HumanModel
-
-    try:
-        with naming_traces(file):
-            return HumanModel.learn(read_trace_files(file))
-    except UsageError as error:
-        raise TraceError(str(error), path=file) from error
 
 
 def warn(warning: object) -> None:

@@ -14,11 +14,11 @@ from explicable.cli.files import (
     FiniteRange,
     load_labeller,
     naming,
-    read_human_model,
 )
 from explicable.cli.first_response import map_argument, semantics_option
 from explicable.cli.outcomes import json_option
 from explicable.cli.progress import working
+from explicable.cli.trace_files import read_human_model
 from explicable.errors import PlanError
 from explicable.model.files import write_whole
 from explicable.model.plan import format_action

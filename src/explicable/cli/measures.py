@@ -16,12 +16,12 @@ from explicable.cli.files import (
     find_line,
     load_labeller,
     naming_plan,
-    read_human_model,
     read_steps,
     team_problem_arguments,
 )
 from explicable.cli.outcomes import json_option
 from explicable.cli.progress import working
+from explicable.cli.trace_files import read_human_model
 from explicable.model.plan import format_action, parse_plan
 
 if TYPE_CHECKING:

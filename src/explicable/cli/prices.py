@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from explicable.cli.files import INPUT_FILE, FiniteRange, read_human_model
+from explicable.cli.files import INPUT_FILE, FiniteRange
 from explicable.cli.progress import is_watched
+from explicable.cli.trace_files import read_human_model
 
 if TYPE_CHECKING:
     from explicable.planning import HumanModel

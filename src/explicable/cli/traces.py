@@ -11,10 +11,9 @@ from explicable.cli.files import (
     OUTPUT_FILE,
     OUTPUT_FOLDER,
     TeamProblemPaths,
-    find_faults,
-    read_trace_files,
     team_problem_arguments,
 )
+from explicable.cli.trace_files import find_faults, read_trace_files
 from explicable.errors import TraceError
 
 trace_files = click.argument("files", metavar="TRACES...", nargs=-1, required=True, type=INPUT_FILE)

@@ -11,12 +11,11 @@ from explicable.cli.files import (
     INPUT_FILE,
     OUTPUT_FILE,
     FiniteRange,
-    naming_traces,
-    read_labelled_traces,
     warn,
 )
 from explicable.cli.outcomes import json_option
 from explicable.cli.progress import is_watched
+from explicable.cli.trace_files import naming_traces, read_labelled_traces
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
