@@ -14,6 +14,14 @@ from explicable.study.store import Store, sqlite_url
 
 CORRIDOR = "@.*.\n....\n.x.*\n"
 
+PLAN = """(command person c-0-2)
+(move r1 c-0-0 c-1-0)
+(move r1 c-1-0 c-1-1)
+(move r1 c-1-1 c-1-2)
+(move r1 c-1-2 c-0-2)
+(visit-room r1 c-0-2)
+"""
+
 STUDY = """
 title = "A study"
 practice = "practice.map"

@@ -16,7 +16,7 @@ from browser import (
     view_of,
 )
 from servers import StudyServer
-from studies import rows, write_study
+from studies import PLAN, rows, write_study
 
 from explicable.first_response import read_map
 from explicable.study import schema as tables
@@ -35,13 +35,6 @@ PLAYED = """
 name = "played"
 map = "one.map"
 people = 5
-"""
-PLAN = """(command person c-0-2)
-(move r1 c-0-0 c-1-0)
-(move r1 c-1-0 c-1-1)
-(move r1 c-1-1 c-1-2)
-(move r1 c-1-2 c-0-2)
-(visit-room r1 c-0-2)
 """
 
 

@@ -5,7 +5,7 @@ import re
 import pytest
 from babel.messages.pofile import read_po
 from browser import PATIENCE_MS, by_mouse, examine, follow, play, until
-from studies import write_study
+from studies import PLAN, write_study
 
 from explicable.study.security import MAX_BODY_BYTES
 from explicable.study.serving import Server
@@ -61,13 +61,6 @@ map = "two.map"
 plan = "plan.txt"
 picture = "none"
 people = {people}
-"""
-PLAN = """(command person c-0-2)
-(move r1 c-0-0 c-1-0)
-(move r1 c-1-0 c-1-1)
-(move r1 c-1-1 c-1-2)
-(move r1 c-1-2 c-0-2)
-(visit-room r1 c-0-2)
 """
 ENGLISH = re.compile(
     r"\b(and|are|be|been|done|for|has|have|is|it|not|of|one|order|please|robot|room|step|study|task|thank|that"

@@ -62,9 +62,8 @@ def run_on_dask(trials: Sequence[Trial], address: str) -> Iterator[bytes]:
     """
     from distributed import Client, KilledWorker, as_completed
 
-    if (
-        re.fullmatch(r"\w+://.+:\d+", address) is None
-    ):  # asked for what is no address, the client stands still when it is given up
+    # Asked for what is no address, the client stands still when it is given up.
+    if re.fullmatch(r"\w+://.+:\d+", address) is None:
         raise UsageError(f"a scheduler's address is like tcp://HOST:PORT, not {address!r}")
     try:
         client = Client(address, timeout=CONNECT_S, set_as_default=False)
