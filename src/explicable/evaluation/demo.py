@@ -5,7 +5,6 @@ whoever recomputes the scores from the files gets the same numbers.
 """
 
 import json
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from explicable.errors import UsageError
+from explicable.evaluation.best_plan import plan_best
 from explicable.evaluation.report import PlanPanel, Ratio, Report, Scenario, write_report
-from explicable.evaluation.trials.training import PROOF_EVALUATIONS
 from explicable.execution import builtin_families, prepare, simulate, simulate_study
 from explicable.first_response import World, builtin_maps, encode, format_map, key_entries, render
 from explicable.labelling import LabelledPlan, Labeller, Trace, problem_texts, write_traces
@@ -23,7 +22,7 @@ from explicable.model.grounding import ground_team
 from explicable.model.plan import format_action, parse_plan
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
-from explicable.planning import plan_classically, plan_explicably
+from explicable.planning import plan_classically
 
 NUM_TRACES = 34
 """Traces in the paper's training set."""
@@ -112,10 +111,7 @@ def _compare(name: str, world: World, labeller: Labeller, rng: np.random.Generat
     team_task = ground_team(problem)
     for plan_type, team_plan in (
         ("ff", plan_classically(team_task, algorithm="ff")),
-        (
-            "explicable",
-            plan_explicably(team_task, labeller, improve_s=math.inf, max_evaluations=PROOF_EVALUATIONS),
-        ),
+        ("explicable", plan_best(team_task, labeller)),
     ):
         if team_plan.plan is None:
             raise UsageError(f"no plan for {name}: {team_plan.outcome}")

@@ -1,17 +1,16 @@
 """How good predicted labels are: on participants' own games, and on plans that were made to please."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from explicable.evaluation.best_plan import plan_best
 from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.trials.training import (
     JUDGING,
     PLAYING,
-    PROOF_EVALUATIONS,
     draw_participants,
     find_family,
     held_out,
@@ -24,7 +23,7 @@ from explicable.labelling.annotators import krippendorff_alpha
 from explicable.model.grounding import ground_team
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
-from explicable.planning import plan_classically, plan_explicably
+from explicable.planning import plan_classically
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +72,7 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
         plans = {"participants": game.trace.actions}
         for name, found in (
             ("ff", plan_classically(team, algorithm="ff")),
-            (
-                "explicable",
-                plan_explicably(team, planner, improve_s=math.inf, max_evaluations=PROOF_EVALUATIONS),
-            ),
+            ("explicable", plan_best(team, planner)),
         ):
             if found.plan is not None:
                 plans[name] = found.plan.actions

@@ -8,12 +8,12 @@ from typing import Any, Literal
 import numpy as np
 
 from explicable.errors import UsageError
+from explicable.evaluation.best_plan import PROOF_EVALUATIONS, plan_best
 from explicable.evaluation.ceiling import plan_for_judges
 from explicable.evaluation.records import Row, Seed
 from explicable.evaluation.trials.training import (
     JUDGING,
     PLAYING,
-    PROOF_EVALUATIONS,
     HeldOutProblem,
     draw_participants,
     find_family,
@@ -130,13 +130,7 @@ PLANNERS: dict[str, Planner] = {
     "greedy-context": lambda team, known: plan_explicably(
         team, known.labeller, alpha=known.alpha, improve_s=0, closing="context"
     ),
-    "explicable": lambda team, known: plan_explicably(
-        team,
-        known.labeller,
-        alpha=known.alpha,
-        improve_s=math.inf,
-        max_evaluations=PROOF_EVALUATIONS,
-    ),
+    "explicable": lambda team, known: plan_best(team, known.labeller, alpha=known.alpha),
     "budget": lambda team, known: plan_within_budget(
         team,
         known.labeller,
@@ -144,14 +138,8 @@ PLANNERS: dict[str, Planner] = {
         search_s=math.inf,
         max_evaluations=PROOF_EVALUATIONS,
     ),
-    "charged": lambda team, known: plan_explicably(
-        team,
-        known.labeller,
-        alpha=known.alpha,
-        improve_s=math.inf,
-        max_evaluations=PROOF_EVALUATIONS,
-        human_model=known.human,
-        human_step_weight=1.0,
+    "charged": lambda team, known: plan_best(
+        team, known.labeller, alpha=known.alpha, human_model=known.human, human_step_weight=1.0
     ),
 }
 """Each planner by the name that it has in records."""

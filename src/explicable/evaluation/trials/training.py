@@ -1,6 +1,5 @@
 """What trials have in common: maps, simulated participants, and labellers trained on what these said."""
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -8,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from explicable.errors import TraceError, UsageError
+from explicable.evaluation.best_plan import plan_best
 from explicable.execution import (
     Family,
     Participant,
@@ -23,16 +23,10 @@ from explicable.labelling import Labeller, Trace, read_traces
 from explicable.labelling.traces import problem_checksum, split_traces
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
-from explicable.planning import TeamPlan, plan_classically, plan_explicably
+from explicable.planning import TeamPlan, plan_classically
 
 TRAINING, TESTING, JUDGING, PLAYING, LABELLING = range(5)
 """Streams of chance of one trial: the seed's third number."""
-
-PROOF_EVALUATIONS = 200_000
-"""Budget of a search for the least objective: more than any proof on the maps takes, some seconds elsewhere.
-
-Not in seconds, so that records do not hang on the machine's speed and load.
-"""
 
 
 def training_traces(
@@ -119,7 +113,7 @@ def _plan(problem: TeamProblem, labeller: Labeller, is_explicable: bool) -> Team
     team = ground_team(problem)
     if not is_explicable:
         return plan_classically(team, algorithm="ff")
-    return plan_explicably(team, labeller, improve_s=math.inf, max_evaluations=PROOF_EVALUATIONS)
+    return plan_best(team, labeller)
 
 
 def train(
