@@ -302,6 +302,23 @@ def test_recruits_are_recognised_and_nothing_is_invented(tmp_path):
     assert len(rows(folder, tables.SESSIONS)) == 2
 
 
+@pytest.mark.parametrize(
+    "path",
+    ["/", "/health", "/session", "/api/view", "/api/openapi.json", "/static/study.css", "/admin/login"],
+)
+def test_head_tells_what_get_would(client, path):
+    Visitor(client).reach_tasks()
+    whole, bare = client.get(path), client.head(path)
+    assert (bare.status_code, bare.headers, bare.content) == (whole.status_code, whole.headers, b"")
+
+
+def test_head_opens_no_stream_and_does_nothing(client):
+    Visitor(client).reach_tasks()
+    assert client.head("/api/changes").headers["content-type"].startswith("text/event-stream")
+    assert client.head("/admin", follow_redirects=False).headers["location"] == "/admin/login"
+    assert client.head("/consent").status_code == 405
+
+
 def test_a_database_that_does_not_answer_is_said_and_nothing_is_half_done(tmp_path):
     client, _, _ = open_study(write_study(tmp_path))
     with client:

@@ -20,7 +20,7 @@ from explicable.study.forms import read_form
 from explicable.study.ledger import OPEN_STAGES
 from explicable.study.records import live_sessions
 from explicable.study.security import ADMIN_COOKIE, ADMIN_HOURS, Limiter, is_password
-from explicable.study.server import Server
+from explicable.study.server import READING, Server
 from explicable.study.summary import summarise
 from explicable.study.transaction import Transaction
 
@@ -47,8 +47,8 @@ class Researchers:
     def routes(self) -> APIRouter:
         """Return what is answered by which function."""
         routes = APIRouter(prefix="/admin", include_in_schema=False)
-        routes.add_api_route("", self.overview)
-        routes.add_api_route("/login", self.login_page)
+        routes.add_api_route("", self.overview, methods=READING)
+        routes.add_api_route("/login", self.login_page, methods=READING)
         routes.add_api_route("/login", self.login, methods=["POST"])
         routes.add_api_route("/logout", self.logout, methods=["POST"])
         routes.add_api_route("/download", self.download, methods=["POST"])

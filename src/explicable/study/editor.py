@@ -10,11 +10,10 @@ from pydantic import BaseModel, Field
 from explicable.errors import MapError
 from explicable.first_response import World, format_map, read_map, render
 from explicable.model.files import write_whole
+from explicable.study.server import READING, Server
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
-
-    from explicable.study.server import Server
 
 NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,40}")
 LARGEST = 20
@@ -53,7 +52,7 @@ class Saved(BaseModel):
     map: str
 
 
-def routes(server: "Server", require: "Callable[[Request], Awaitable[str]]") -> APIRouter:
+def routes(server: Server, require: "Callable[[Request], Awaitable[str]]") -> APIRouter:
     """Return the editor's routes; ``require`` returns the owner of tokens, or sends strangers away."""
     router = APIRouter(prefix="/maps", include_in_schema=False)
     folder = server.materials.folder / "maps"
@@ -62,7 +61,7 @@ def routes(server: "Server", require: "Callable[[Request], Awaitable[str]]") -> 
         if not server.keys.is_token(await require(request), token):
             raise HTTPException(403, "this request does not come from a page of the study")
 
-    @router.get("")
+    @router.api_route("", methods=READING)
     async def editor(request: Request) -> Response:
         owner = await require(request)
         names = sorted(path.stem for path in folder.glob("*.map") if NAME.fullmatch(path.stem))

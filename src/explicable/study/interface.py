@@ -23,7 +23,7 @@ from starlette.types import Receive, Scope, Send
 from explicable.study.conduct import UnknownSessionError
 from explicable.study.ledger import Request
 from explicable.study.protocol import ConflictError
-from explicable.study.server import Server
+from explicable.study.server import READING, Server
 from explicable.study.standing import Standing
 from explicable.study.transaction import Transaction
 from explicable.study.view import View
@@ -124,7 +124,8 @@ class Interface:
             code: {"model": Problem} for code in (400, 401, 403, 409, 413, 422, 429, 503)
         }
         app.add_api_route("/api/view", self.view, response_model=View, responses=responses)
-        app.add_api_route("/api/changes", self.changes, include_in_schema=False)
+        app.add_api_route("/api/view", self.view, methods=["HEAD"], include_in_schema=False)
+        app.add_api_route("/api/changes", self.changes, methods=READING, include_in_schema=False)
         for act in (self.step, self.answer, self.command):
             app.router.add_api_route(
                 f"/api/{act.__name__}",
@@ -142,8 +143,11 @@ class Interface:
 
     async def changes(self, request: HTTPRequest) -> Response:
         """Tell, as long as the page is open, when its session has gone on elsewhere."""
-        stream = self.server.watch.listen(self.server.session(request), request.is_disconnected)
-        return StreamingResponse(stream, media_type="text/event-stream")
+        session, kind = self.server.session(request), "text/event-stream"
+        if request.method == "HEAD":
+            return StreamingResponse((), media_type=kind)  # what is left out would never end
+        stream = self.server.watch.listen(session, request.is_disconnected)
+        return StreamingResponse(stream, media_type=kind)
 
     async def step(self, request: HTTPRequest, body: Move) -> Response:
         """Take the next step of the task."""

@@ -21,6 +21,8 @@ from explicable.study.watch import Watch
 
 T = TypeVar("T")
 
+READING = ["GET", "HEAD"]
+"""Methods of what is only read: FastAPI, unlike Starlette below it, does not answer HEAD by itself."""
 _MOST_COOKIES = 10_000
 
 

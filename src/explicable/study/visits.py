@@ -15,7 +15,7 @@ from explicable.study.ledger import Request
 from explicable.study.protocol import ACTIVE, ConflictError
 from explicable.study.recruitment import Recruit, is_preview, read_parameters
 from explicable.study.security import SESSION_COOKIE
-from explicable.study.server import Server
+from explicable.study.server import READING, Server
 from explicable.study.transaction import Transaction
 
 
@@ -28,10 +28,10 @@ class Visits:
     def routes(self) -> APIRouter:
         """Return what is answered by which function."""
         routes = APIRouter(include_in_schema=False)
-        routes.add_api_route("/health", self.health)
-        routes.add_api_route("/", self.welcome)
+        routes.add_api_route("/health", self.health, methods=READING)
+        routes.add_api_route("/", self.welcome, methods=READING)
         routes.add_api_route("/consent", self.consent, methods=["POST"])
-        routes.add_api_route("/session", self.session)
+        routes.add_api_route("/session", self.session, methods=READING)
         routes.add_api_route("/session", self.go_on, methods=["POST"])
         return routes
 
