@@ -104,6 +104,10 @@ def test_problem_by_file_and_checksum(tmp_path, record):
         ({"steps": [{"agent": "r1", "operator": "(move a)", "label": "yes"}]}, "true, false or null"),
         ({"steps": [{"agent": "r1", "operator": "(move a)"}]}, "no 'label'"),
         ({"steps": [{"agent": "r1", "operator": "(a)", "label": None, "time": 1e300}]}, "time"),
+        (
+            {"steps": [{"agent": "person", "operator": "(move r1 c-1-1 c-1-2)", "label": None}]},
+            r"step 1: \(move r1 c-1-1 c-1-2\) belongs to r1, not to person",
+        ),
         ({"started": "yesterday"}, "started must be a date and time in ISO 8601, not 'yesterday'"),
         ({"annotator": ""}, "annotator must be text"),
         ({"annotator": "\ud800"}, "not JSON"),

@@ -58,6 +58,18 @@ class LabelledStep:
         """What the label says of two kinds of steps: a task's name counts as explicable."""
         return None if self.label is None else self.label is not False
 
+    def find_wrong_agent(self, problem: TeamProblem) -> str | None:
+        """Say what is wrong if the action belongs to somebody else.
+
+        Raises
+        ------
+        PDDLError
+            If the problem does not say who acts; see `TeamProblem.agents`.
+        """
+        owner = problem.agent_of(self.action).name
+        shown = format_action(self.action)
+        return None if owner == self.agent else f"{shown} belongs to {owner}, not to {self.agent}"
+
 
 @dataclass(frozen=True, slots=True)
 class Trace:
@@ -145,9 +157,10 @@ class RecordReader:
             self._refuse("notes must be an object")
         if data.get("started") is not None:
             self._check_moment(self._text("started", data["started"]))
+        problem = self._read_problem(data["problem"])
         return Trace(
-            problem=self._read_problem(data["problem"]),
-            steps=tuple(self._read_step(number, step) for number, step in enumerate(steps, start=1)),
+            problem=problem,
+            steps=tuple(self._read_step(number, step, problem) for number, step in enumerate(steps, start=1)),
             annotator=self._text("annotator", data["annotator"]),
             origin=data["origin"],
             notes=notes,
@@ -185,7 +198,7 @@ class RecordReader:
             self._refuse(f"{what} must be text, not {_show(value)}")
         return value
 
-    def _read_step(self, number: int, data: object) -> LabelledStep:
+    def _read_step(self, number: int, data: object, problem: TeamProblem) -> LabelledStep:
         what = f"step {number}"
         if not isinstance(data, dict):
             self._refuse(f"{what} must be an object, not {_show(data)}")
@@ -202,7 +215,14 @@ class RecordReader:
             action = parse_action(self._text(f"{what}: operator", data["operator"]))
         except PlanError as error:
             self._refuse(f"{what}: {error.message}")
-        return LabelledStep(self._text(f"{what}: agent", data["agent"]).lower(), action, label, time)
+        step = LabelledStep(self._text(f"{what}: agent", data["agent"]).lower(), action, label, time)
+        try:
+            fault = step.find_wrong_agent(problem)
+        except PDDLError as error:
+            self._refuse(f"problem: {error}")
+        if fault:
+            self._refuse(f"{what}: {fault}")
+        return step
 
     def _read_problem(self, data: object) -> TeamProblem:
         if not isinstance(data, dict):

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Literal
 from explicable.errors import InputError, PlanError, TraceError, UsageError
 from explicable.labelling.records import PARTS, LabelledStep, Origin, RecordReader, Trace, format_record
 from explicable.model.files import write_whole
-from explicable.model.plan import format_action
 from explicable.model.team import TeamProblem
 from explicable.pddl import format_domain, format_problem
 
@@ -38,8 +37,8 @@ def read_traces(*paths: str | Path) -> list[Trace]:
     Raises
     ------
     TraceError
-        If a line is not a trace of this version; says which line and why. Whether steps are applicable is
-        left to `check_traces`.
+        If a line is not a trace of this version, or a step is another agent's than it says; names line and
+        reason. Whether steps are applicable is left to `check_traces`.
 
     Examples
     --------
@@ -141,9 +140,8 @@ def _find_fault(trace: Trace, task: "Task | InputError") -> str | None:
     if isinstance(task, InputError):
         return f"problem: {task}"
     for number, step in enumerate(trace.steps, start=1):
-        agent = trace.problem.agent_of(step.action).name
-        if step.agent != agent:
-            return f"step {number}: {format_action(step.action)} belongs to {agent}, not to {step.agent}"
+        if fault := step.find_wrong_agent(trace.problem):
+            return f"step {number}: {fault}"
     try:
         task.execute(trace.actions)
     except PlanError as error:
