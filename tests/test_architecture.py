@@ -58,6 +58,12 @@ def test_no_public_name_is_that_of_a_package():
         assert {module.name for module in pkgutil.iter_modules(package.__path__)}.isdisjoint(package.__all__)
 
 
+def test_what_commands_print_goes_through_one_place():
+    for path in (ROOT / "src" / "explicable" / "cli").glob("*.py"):
+        if path.name != "printing.py":
+            assert "click.echo" not in path.read_text(), path
+
+
 def test_constraints_name_versions_and_no_addresses():
     lines = (ROOT / "constraints.txt").read_text().split()
     assert lines

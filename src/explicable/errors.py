@@ -23,6 +23,24 @@ from collections.abc import Sequence
 from pathlib import Path
 
 
+def visible(text: str, *, besides: str = "") -> str:
+    r"""Write characters that can't be printed as `repr` does: they might speak to the reader's terminal.
+
+    Parameters
+    ----------
+    besides
+        Characters that stay as they are.
+
+    Examples
+    --------
+    >>> print(visible("\x1b[2Jall is w\u202eell"))
+    \x1b[2Jall is w\u202eell
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in besides else repr(c)[1:-1] for c in text)
+
+
 class ExplicableError(Exception):
     """Base of every error that this package raises on purpose."""
 

@@ -14,6 +14,7 @@ exit  meaning
 """
 
 import errno
+import io
 import os
 import sys
 from collections.abc import Iterator
@@ -23,6 +24,7 @@ from typing import Any
 
 import click
 
+from explicable.cli.printing import complain, echo
 from explicable.errors import ExplicableError, ResourceError, UsageError
 
 EXIT_TRIALS_FAILED = 1
@@ -112,10 +114,12 @@ def run(arguments: list[str]) -> int:
     try:
         outcome = explicable.main(arguments, prog_name="explicable", standalone_mode=False)
     except click.ClickException as error:
-        error.show()
+        message = io.StringIO()
+        error.show(message)
+        echo(message.getvalue(), err=True, nl=False)
         return error.exit_code
     except (click.Abort, KeyboardInterrupt):
-        click.echo("interrupted", err=True)
+        echo("interrupted", err=True)
         return EXIT_INTERRUPTED
     except ReaderGoneError:
         _discard_output()
@@ -136,7 +140,7 @@ def run(arguments: list[str]) -> int:
 
 
 def _fail(error: object, code: int) -> int:
-    click.echo(f"explicable: {error}", err=True)
+    complain(error)
     return code
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER
+from explicable.cli.printing import echo
 from explicable.cli.trace_files import naming_traces, read_labelled_traces
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def demo(out: Path, seed: int, traces_file: Path | None) -> None:
         progress.update(bar, description="drawing", advance=1)
         write_demo(result, out)
     _print_tables(result.records)
-    click.echo(f"\nThe plans side by side: {out / 'report.html'}")
+    echo(f"\nThe plans side by side: {out / 'report.html'}")
 
 
 def _print_tables(records: "tuple[Record, ...]") -> None:

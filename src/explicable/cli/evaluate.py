@@ -11,6 +11,7 @@ import click
 from explicable.cli import EXIT_TRIALS_FAILED
 from explicable.cli.extras import require
 from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER
+from explicable.cli.printing import echo
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -87,7 +88,7 @@ def evaluate(
             records = run_experiments(experiments, folder, jobs=jobs, scheduler=scheduler, tell=tell)
     write_results(experiments, records, folder)
     num_failed = sum(record["outcome"] == "failed" for rows in records.values() for record in rows)
-    click.echo(f"{folder / 'report.html'}: {sum(map(len, records.values()))} trials, {num_failed} failed")
+    echo(f"{folder / 'report.html'}: {sum(map(len, records.values()))} trials, {num_failed} failed")
     return EXIT_TRIALS_FAILED if num_failed else 0
 
 

@@ -15,10 +15,10 @@ from explicable.cli.files import (
     naming_plan,
     read_steps,
     team_problem_arguments,
-    warn,
 )
 from explicable.cli.outcomes import exit_code, json_option
 from explicable.cli.prices import HumanSteps, human_step_options
+from explicable.cli.printing import echo, warn
 from explicable.cli.progress import working
 from explicable.model.plan import format_action
 
@@ -72,10 +72,10 @@ def explain(
             time_limit_s=time_limit,
         )
     if as_json:
-        click.echo(json.dumps({"steps": [describe_step(step) for step in steps]}))
+        echo(json.dumps({"steps": [describe_step(step) for step in steps]}))
     else:
         for step in steps:
-            click.echo(str(step))
+            echo(str(step))
 
 
 def describe_step(step: "StepExplanation") -> dict[str, Any]:
@@ -169,11 +169,11 @@ def print_told(result: "ToldPlan", output: Path | None, *, as_json: bool) -> int
     if output and text:
         write_whole(output, text)
     if as_json:
-        click.echo(json.dumps(describe_told(result)))
+        echo(json.dumps(describe_told(result)))
     elif text and not output:
-        click.echo(text, nl=False)
+        echo(text, nl=False)
     elif not text:
-        click.echo(f"no plan: {result.outcome.value}", err=True)
+        echo(f"no plan: {result.outcome.value}", err=True)
     return exit_code(result)
 
 

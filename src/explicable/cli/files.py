@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from explicable.cli.printing import warn
 from explicable.errors import InputError, LabellerError, PlanError
 from explicable.model.plan import find_step, read_plan
 from explicable.model.problem import GroundAtom
@@ -237,8 +238,3 @@ def naming(path: Path, kind: type[InputError]) -> Iterator[None]:
     except kind as error:
         error.path = error.path or path
         raise
-
-
-def warn(warning: object) -> None:
-    """Say on standard error what may be wrong, and go on."""
-    click.echo(f"explicable: warning: {warning}", err=True)

@@ -6,6 +6,7 @@ import click
 
 from explicable import first_response as maps
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, OUTPUT_FOLDER
+from explicable.cli.printing import echo
 from explicable.cli.simulate import find_family, participant_options, play_and_write, way_option
 from explicable.model.files import write_whole
 
@@ -58,10 +59,10 @@ def generate(
         name = f"map-{number:03}"
         text = maps.format_map(maps.World(world.rows, {"name": name, "seed": str(number)}))
         if output is None:
-            click.echo(text, nl=False)
+            echo(text, nl=False)
         else:
             write_whole(output / f"{name}.map", text)
-            click.echo(output / f"{name}.map")
+            echo(output / f"{name}.map")
 
 
 @first_response.command()
@@ -77,7 +78,7 @@ def encode(map_file: Path, output: Path, semantics: maps.Semantics, people: int)
     for part, text in texts.items():
         path = output / f"{part.replace('_', '-')}.pddl"
         write_whole(path, text)
-        click.echo(path)
+        echo(path)
 
 
 @first_response.command()

@@ -20,6 +20,7 @@ from explicable.cli.files import (
     team_problem_arguments,
 )
 from explicable.cli.outcomes import json_option
+from explicable.cli.printing import echo
 from explicable.cli.progress import working
 from explicable.model.plan import format_action, format_plan
 
@@ -93,14 +94,14 @@ def front(
     if plot_file is not None and plans:
         _write_plot(plot_file, plans, chosen)
     if as_json:
-        click.echo(json.dumps({"plans": records, "chosen": number}))
+        echo(json.dumps({"plans": records, "chosen": number}))
     elif plans:
-        click.echo(_table(plans, number), nl=False)
+        echo(_table(plans, number), nl=False)
     if not plans and not team_task.task.goal_reachable:
-        click.echo("no plan: unsolvable", err=True)
+        echo("no plan: unsolvable", err=True)
         return EXIT_UNSOLVABLE
     if not plans or (budget is not None and chosen is None):
-        click.echo("no plan keeps to the budget" if plans else "no plan found in time", err=True)
+        echo("no plan keeps to the budget" if plans else "no plan found in time", err=True)
         return EXIT_LIMIT
     return 0
 

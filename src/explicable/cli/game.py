@@ -17,6 +17,7 @@ from explicable.cli.files import (
 )
 from explicable.cli.first_response import map_argument, semantics_option
 from explicable.cli.outcomes import json_option
+from explicable.cli.printing import complain, echo
 from explicable.cli.progress import working
 from explicable.cli.trace_files import read_human_model
 from explicable.errors import PlanError
@@ -124,7 +125,7 @@ def play(
         raise
     keep(played)
     labels = [step.is_explicable for step in played.episode.trace.steps if step.label is not None]
-    click.echo(
+    echo(
         f"{played.episode.ending.value}: {len(played.episode.trace.steps)} steps; {labels.count(False)} of"
         f" {len(labels)} made no sense to {person.name}, who did otherwise than predicted"
         f" {played.num_deviations} times"
@@ -203,14 +204,14 @@ def replay(episode: Path, svg: Path | None, step_time: float, trace: Path | None
             "same": is_true,
             "differences": replayed.differences,
         }
-        click.echo(json.dumps(summary))
+        echo(json.dumps(summary))
     else:
         _tell(recorded)
     if not as_json:
         for difference in replayed.differences[:MAX_TOLD]:
-            click.echo(f"explicable: {episode}: {difference}", err=True)
+            complain(f"{episode}: {difference}")
         if (others := len(replayed.differences) - MAX_TOLD) > 0:
-            click.echo(f"explicable: {episode}: and {others} more differences (--json tells all)", err=True)
+            complain(f"{episode}: and {others} more differences (--json tells all)")
     return EXIT_BAD_INPUT if replayed.differences else 0
 
 
@@ -228,8 +229,8 @@ def _tell(recorded: "EpisodeRecord") -> None:
             about.append(notice.reason)
         if event.refusal:
             about.append(f"refused: {event.refusal}")
-        click.echo(f"{event.time_s:9.3f} s  {notice.event.value:16}  {'  '.join(about)}".rstrip())
-    click.echo(f"{recorded.trace.notes.get('ending', 'not ended')}: {len(recorded.trace.steps)} steps")
+        echo(f"{event.time_s:9.3f} s  {notice.event.value:16}  {'  '.join(about)}".rstrip())
+    echo(f"{recorded.trace.notes.get('ending', 'not ended')}: {len(recorded.trace.steps)} steps")
 
 
 def _draw(recorded: "EpisodeRecord", step_s: float) -> str:

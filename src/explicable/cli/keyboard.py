@@ -5,6 +5,7 @@ from collections.abc import Callable
 from string import ascii_uppercase
 from typing import TYPE_CHECKING
 
+from explicable.errors import visible
 from explicable.execution.people import Watcher
 
 if TYPE_CHECKING:
@@ -67,13 +68,13 @@ class Keyboard:
 
     def ask(self, question: str) -> str | None:
         """Return the answer without blanks around it; None at the end of input."""
-        self._console.print(question, end=" ", markup=False)
+        self._console.print(visible(question), end=" ", markup=False)
         line = self._lines.readline()
         return line.strip() if line else None
 
     def tell(self, text: str) -> None:
         """Print a line."""
-        self._console.print(text, markup=False)
+        self._console.print(visible(text), markup=False)
 
 
 class KeyboardPerson(Watcher):

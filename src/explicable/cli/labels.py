@@ -16,6 +16,7 @@ from explicable.cli.files import (
     warn_of_unfamiliar,
 )
 from explicable.cli.outcomes import json_option
+from explicable.cli.printing import echo
 from explicable.model.plan import format_action
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def label(
     warn_of_unfamiliar(labelled)
     reasons = labeller.explain(labelled) if explain else None
     if as_json:
-        click.echo(json.dumps(describe(labelled, reasons)))
+        echo(json.dumps(describe(labelled, reasons)))
     else:
         _print_labels(labelled, reasons)
 
@@ -76,13 +77,13 @@ def _print_labels(labelled: "LabelledPlan", reasons: list[list[tuple[str, float]
         mark = " " if labelled.labels[number] else "!"
         task = labelled.task_labels[number]
         named = f"  {task}" if isinstance(task, str) else ""
-        click.echo(f"{mark} {labelled.probabilities[number]:5.3f}  {format_action(action)}{named}")
+        echo(f"{mark} {labelled.probabilities[number]:5.3f}  {format_action(action)}{named}")
         for text, weight in reasons[number] if reasons else ():
-            click.echo(f"         {weight:+.2f}  {text}")
-    click.echo()
+            echo(f"         {weight:+.2f}  {text}")
+    echo()
     for name, value in labelled.scores.as_dict().items():
         if name.startswith("f_") and not name.endswith("variance") and value is not None:
-            click.echo(f"{name:18} {value:.3f}")
+            echo(f"{name:18} {value:.3f}")
     if any(labelled.is_robot):
         low, high = labelled.interval(0.95)
-        click.echo(f"{'95 % interval':18} {low:.3f} to {high:.3f} (F of the robots' steps)")
+        echo(f"{'95 % interval':18} {low:.3f} to {high:.3f} (F of the robots' steps)")

@@ -20,6 +20,7 @@ from explicable.cli.files import (
     team_problem_arguments,
 )
 from explicable.cli.outcomes import json_option
+from explicable.cli.printing import echo
 from explicable.cli.progress import working
 from explicable.cli.trace_files import read_human_model
 from explicable.model.plan import format_action, parse_plan
@@ -109,13 +110,13 @@ def measure(
         )
     record = describe_measures(measures)
     if as_json:
-        click.echo(json.dumps(record))
+        echo(json.dumps(record))
         return
     hidden = {"step_probabilities", "goal_probabilities", "predictability"}
     shown = {name: value for name, value in record.items() if value is not None and name not in hidden}
     width = max(map(len, shown))
     for name, value in shown.items():
-        click.echo(f"{name:{width}}  {f'{value:.3f}' if isinstance(value, float) else value}")
+        echo(f"{name:{width}}  {f'{value:.3f}' if isinstance(value, float) else value}")
 
 
 def describe_measures(measures: "Measures") -> dict[str, Any]:
@@ -182,10 +183,10 @@ def rank(
         for plan in ranked
     ]
     if as_json:
-        click.echo(json.dumps({"alpha": alpha, "plans": records}))
+        echo(json.dumps({"alpha": alpha, "plans": records}))
     else:
         for place, record in enumerate(records, start=1):
-            click.echo(_ranked_line(place, record))
+            echo(_ranked_line(place, record))
     return 0 if any(plan.objection is None for plan in ranked) else EXIT_BAD_INPUT
 
 

@@ -21,6 +21,7 @@ from explicable.cli.files import (
 )
 from explicable.cli.outcomes import exit_code
 from explicable.cli.prices import HumanSteps, human_step_options, improvement_options, show_progress
+from explicable.cli.printing import echo
 
 if TYPE_CHECKING:
     from explicable.planning import TeamPlan
@@ -187,12 +188,12 @@ def plan(
         import json
 
         times = {"read_s": read - started, "ground_s": grounded - loaded, "search_s": result.search_s}
-        click.echo(json.dumps(describe(result, times)))
+        echo(json.dumps(describe(result, times)))
     elif text:
         if not output:
-            click.echo(text, nl=False)
+            echo(text, nl=False)
     else:
-        click.echo(f"no plan: {_reason(result, budget)}", err=True)
+        echo(f"no plan: {_reason(result, budget)}", err=True)
     return exit_code(result)
 
 

@@ -7,6 +7,7 @@ import click
 
 from explicable.cli.files import FiniteRange
 from explicable.cli.outcomes import json_option
+from explicable.cli.printing import echo
 from explicable.cli.progress import working
 from explicable.cli.simulate import find_family
 
@@ -68,18 +69,18 @@ def power(
     sentence = say(found, most)
     if as_json:
         told = {"simulated": True, "answer": sentence, "level": LEVEL, "study": materials.hash}
-        click.echo(json.dumps({**told, "families": [analysed.as_dict() for analysed in found]}))
+        echo(json.dumps({**told, "families": [analysed.as_dict() for analysed in found]}))
         return
-    click.echo(sentence)
+    echo(sentence)
     for analysed in found:
         odds = "" if analysed.odds_ratio is None else f", odds ratio {analysed.odds_ratio:.2f}"
-        click.echo(
+        echo(
             f"\n{analysed.family} (simulated participants, no people): F of {one} {analysed.f_one:.3f},"
             f" of {other} {analysed.f_other:.3f}, difference {analysed.difference:+.3f}{odds}\n"
             "  people  of each task  power  [95 % interval]   differences seen by 95 % of studies"
         )
         for size in analysed.sizes:
-            click.echo(
+            echo(
                 f"  {size.num_people:6}  {size.people_each:12}  {size.power:5.2f}  "
                 f"[{size.power_low:.2f}, {size.power_high:.2f}]      "
                 f"{size.difference_low:+.3f} to {size.difference_high:+.3f}"

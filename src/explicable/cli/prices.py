@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from explicable.cli.files import INPUT_FILE, FiniteRange
+from explicable.cli.printing import echo
 from explicable.cli.progress import is_watched
 from explicable.cli.trace_files import read_human_model
 
@@ -83,6 +84,6 @@ def show_progress() -> Callable[[float], None] | None:
     started = time.monotonic()
 
     def say(objective: float) -> None:
-        click.echo(f"{time.monotonic() - started:6.1f} s  J = {objective:.3f}", err=True)
+        echo(f"{time.monotonic() - started:6.1f} s  J = {objective:.3f}", err=True)
 
     return say

@@ -16,9 +16,9 @@ from explicable.cli.files import (
     naming_plan,
     read_told_steps,
     team_problem_arguments,
-    warn,
 )
 from explicable.cli.outcomes import failure_code, json_option
+from explicable.cli.printing import echo, warn
 from explicable.errors import InputError
 from explicable.model.plan import format_action
 
@@ -101,11 +101,11 @@ def schedule(
     if result.schedule is not None and svg_file:
         write_whole(svg_file, _draw(result.schedule, result.probabilities, team_task.problem))
     if as_json:
-        click.echo(json.dumps(describe(result, team_task)))
+        echo(json.dumps(describe(result, team_task)))
     elif result.schedule is None:
-        click.echo(f"no plan: {result.outcome.value}", err=True)
+        echo(f"no plan: {result.outcome.value}", err=True)
     elif not output:
-        click.echo(format_schedule(result.schedule), nl=False)
+        echo(format_schedule(result.schedule), nl=False)
     return 0 if result.schedule is not None else failure_code(result.outcome)
 
 

@@ -15,6 +15,7 @@ from explicable.cli.files import (
     read_steps,
     team_problem_arguments,
 )
+from explicable.cli.printing import echo, warn
 from explicable.cli.progress import working
 
 if TYPE_CHECKING:
@@ -69,11 +70,11 @@ def play_and_write(problems: "Iterable[TeamProblem]", family: "Family", output: 
     with working("playing"):
         episodes = simulate_study(problems, family, **options)
     write_traces(output, [episode.trace for episode in episodes])
-    click.echo(f"{output}: traces of simulated participants: {len(episodes)}", err=True)
+    echo(f"{output}: traces of simulated participants: {len(episodes)}", err=True)
     for ending in Ending:
         number = sum(episode.ending is ending for episode in episodes)
         if number and ending is not Ending.REACHED:
-            click.echo(f"explicable: warning: {number} of {len(episodes)} games: {ending.value}", err=True)
+            warn(f"{number} of {len(episodes)} games: {ending.value}")
 
 
 @click.command()
@@ -126,4 +127,4 @@ def _show_and_write(
     with working("showing"):
         traces = show(team_task.problem, plans, family, **options)
     write_traces(output, traces)
-    click.echo(f"{output}: plans labelled by simulated participants: {len(traces)}", err=True)
+    echo(f"{output}: plans labelled by simulated participants: {len(traces)}", err=True)

@@ -7,9 +7,10 @@ from typing import Literal
 import click
 
 from explicable.cli.extras import require
-from explicable.cli.files import OUTPUT_FOLDER, FiniteRange, warn
+from explicable.cli.files import OUTPUT_FOLDER, FiniteRange
 from explicable.cli.outcomes import json_option
 from explicable.cli.power import power
+from explicable.cli.printing import complain, echo, warn
 from explicable.cli.simulate import find_family
 
 STUDY = click.Path(exists=True, file_okay=False, path_type=Path)
@@ -44,7 +45,7 @@ def init(folder: Path, title: str | None, language: Literal["en", "de"], seed: i
     from explicable.study.folder import make_folder
 
     for path in make_folder(folder, title=title, language=language, seed=seed):
-        click.echo(path)
+        echo(path)
 
 
 @study.command()
@@ -80,12 +81,12 @@ def serve(
         trusts_floods=no_limits,
     )
     told = server.announcement
-    click.echo(f"participants:   {told.link}")
+    echo(f"participants:   {told.link}")
     if told.recruitment_link is not None:
-        click.echo(f"recruitment:    {told.recruitment_link}")
-    click.echo(f"researcher:     {told.link}admin")
+        echo(f"recruitment:    {told.recruitment_link}")
+    echo(f"researcher:     {told.link}admin")
     if told.new_password:
-        click.echo(f"password:       {told.new_password}   (shown only now; --new-password makes another)")
+        echo(f"password:       {told.new_password}   (shown only now; --new-password makes another)")
     server.run()
 
 
@@ -128,7 +129,7 @@ def simulate(
         else:
             server = Server(folder, port=0, database=database, trusts_floods=True)
             if server.announcement.new_password:
-                click.echo(f"the researcher's password: {server.announcement.new_password}", err=True)
+                echo(f"the researcher's password: {server.announcement.new_password}", err=True)
             url = stack.enter_context(server.in_background())
         opened = stack.enter_context(open_study(folder, database))
         simulation = Simulation(url, opened.materials, opened.keys, kind, seed, pace)
@@ -144,9 +145,9 @@ def simulate(
         "answer_s_99": times[int(0.99 * len(times))] if times else None,
     }
     if as_json:
-        click.echo(json.dumps(summary))
+        echo(json.dumps(summary))
         return
-    click.echo(
+    echo(
         f"simulated participants: {tally.num_finished} of {num} finished, {tally.num_refused} ended early or"
         f" found no place; labels: {len(tally.labels)}"
     )
@@ -168,10 +169,10 @@ def export(folder: Path, output: Path, database: str | None, as_json: bool) -> N
     with open_study(folder, database) as opened:
         counts = opened.store.read(lambda tx: write_export(tx, opened.materials, output))
     if as_json:
-        click.echo(json.dumps({"folder": str(output), "rows": counts}))
+        echo(json.dumps({"folder": str(output), "rows": counts}))
         return
     for table, count in counts.items():
-        click.echo(f"{table:15} {count:8}")
+        echo(f"{table:15} {count:8}")
 
 
 @study.command()
@@ -192,24 +193,24 @@ def status(folder: Path, database: str | None, as_json: bool) -> None:
             lambda tx: {origin: summarise(tx, opened.materials, origin) for origin in ("person", "simulated")}
         )
     if as_json:
-        click.echo(json.dumps({origin: summary.as_dict() for origin, summary in found.items()}))
+        echo(json.dumps({origin: summary.as_dict() for origin, summary in found.items()}))
         return
     for origin, summary in found.items():
-        click.echo("people" if origin == "person" else "simulated participants (test instruments, no people)")
+        echo("people" if origin == "person" else "simulated participants (test instruments, no people)")
         stages = ", ".join(f"{stage}: {number}" for stage, number in sorted(summary.stages.items()))
-        click.echo(f"  sessions by stage   {stages or 'none'}")
-        click.echo(f"  labels              {summary.num_labels}")
+        echo(f"  sessions by stage   {stages or 'none'}")
+        echo(f"  labels              {summary.num_labels}")
         if summary.agreement is not None:
-            click.echo(f"  agreement           {summary.agreement:.3f} (Krippendorff's alpha)")
+            echo(f"  agreement           {summary.agreement:.3f} (Krippendorff's alpha)")
         for score in summary.scores:
             interval = f" [{score.low:.3f}, {score.high:.3f}]" if score.low is not None else ""
-            click.echo(
+            echo(
                 f"  F of {score.source:14} {score.f_robot:.3f}{interval} "
                 f"({score.num_labels} labels, {score.num_participants} participants, {score.num_tasks} tasks)"
             )
         for task in summary.tasks:
             name = f"{task.task} ({task.condition})" if task.condition else task.task
-            click.echo(f"  {name:28} {task.finished} finished, {task.under_way} under way, of {task.wanted}")
+            echo(f"  {name:28} {task.finished} finished, {task.under_way} under way, of {task.wanted}")
 
 
 @study.command()
@@ -228,14 +229,14 @@ def forget(folder: Path, participant: str, database: str | None, yes: bool, as_j
 
     with open_study(folder, database) as opened:
         if not opened.store.read(lambda tx: is_known(tx, participant)):
-            click.echo(f"explicable: there is no participant {participant!r}, or no longer", err=True)
+            complain(f"there is no participant {participant!r}, or no longer")
             return EXIT_BAD_INPUT
         if not yes:
             click.confirm(f"Erase everything that {participant} left?", abort=True)
         rows = opened.store.write(lambda tx: erase(tx, participant, time.time()))
         opened.store.scrub()
     told = json.dumps({"participant": participant, "rows_erased": rows})
-    click.echo(told if as_json else f"{participant}: {rows} rows erased")
+    echo(told if as_json else f"{participant}: {rows} rows erased")
     return 0
 
 

@@ -8,6 +8,7 @@ import click
 from explicable.cli import EXIT_BAD_INPUT
 from explicable.cli.files import TeamProblemPaths, team_problem_arguments, warn_of_hopeless
 from explicable.cli.outcomes import json_option
+from explicable.cli.printing import complain, echo
 from explicable.errors import ConflictError
 
 if TYPE_CHECKING:
@@ -36,13 +37,13 @@ def team(paths: TeamProblemPaths, as_json: bool) -> int:
         problem = paths.read()
     except ConflictError as error:
         if as_json:
-            click.echo(json.dumps({"conflicts": [str(conflict) for conflict in error.conflicts]}))
+            echo(json.dumps({"conflicts": [str(conflict) for conflict in error.conflicts]}))
         for conflict in error.conflicts:
-            click.echo(f"explicable: {conflict}", err=True)
+            complain(conflict)
         return EXIT_BAD_INPUT
     record = describe_team(warn_of_hopeless(ground_team(problem)))
     if as_json:
-        click.echo(json.dumps(record))
+        echo(json.dumps(record))
     else:
         _print_team(record)
     return 0
@@ -77,18 +78,18 @@ def describe_team(team_task: "TeamTask") -> dict[str, Any]:
 def _print_team(record: dict[str, Any]) -> None:
     for agent in record["agents"]:
         does = ", ".join(agent["actions"]) or "can do nothing here"
-        click.echo(f"{agent['kind']:6} {agent['name']}: {does}")
+        echo(f"{agent['kind']:6} {agent['name']}: {does}")
     if all(agent["kind"] == "robot" for agent in record["agents"]):
-        click.echo("Nobody is a human: an action is a human's if its first parameter is of type human.")
+        echo("Nobody is a human: an action is a human's if its first parameter is of type human.")
     for side, reachable in record["goal_reachable"].items():
         if not reachable:
             whose = "robots' own" if side == "robots" else "human"
-            click.echo(f"In the {whose} model the goal can't be reached.")
+            echo(f"In the {whose} model the goal can't be reached.")
     for name, title in _TITLES.items():
         found = record["differences"][name]
         if found:
-            click.echo(f"\n{title}: {len(found)}")
+            echo(f"\n{title}: {len(found)}")
             for text in found:
-                click.echo(f"  {text}")
+                echo(f"  {text}")
     if not any(record["differences"].values()):
-        click.echo("\nThe two models are the same.")
+        echo("\nThe two models are the same.")

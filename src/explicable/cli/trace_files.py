@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from explicable.cli.files import warn
+from explicable.cli.printing import warn
 from explicable.errors import PlanError, TraceError, UsageError
 
 if TYPE_CHECKING:

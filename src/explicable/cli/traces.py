@@ -13,6 +13,7 @@ from explicable.cli.files import (
     TeamProblemPaths,
     team_problem_arguments,
 )
+from explicable.cli.printing import complain, echo
 from explicable.cli.trace_files import find_faults, read_trace_files
 from explicable.errors import TraceError
 
@@ -37,9 +38,9 @@ def check(files: tuple[Path, ...]) -> int:
         if not found:
             faults = [TraceError("there is no trace in it", path=file)]
         for fault in faults:
-            click.echo(f"explicable: {fault}", err=True)
+            complain(fault)
         num_faults += len(faults)
-        click.echo(f"{file}: {len(found)} traces, {len(faults)} faults")
+        echo(f"{file}: {len(found)} traces, {len(faults)} faults")
     return EXIT_BAD_INPUT if num_faults else 0
 
 
@@ -71,7 +72,7 @@ def split(files: tuple[Path, ...], by: Literal["problem", "annotator"], output: 
     for number, (name, group) in enumerate(groups.items(), start=1):
         path = output / f"{by}-{number:03}.jsonl"
         write_traces(path, group)
-        click.echo(f"{path}: {len(group)} traces, {by} {name}")
+        echo(f"{path}: {len(group)} traces, {by} {name}")
 
 
 @traces.command("import")
@@ -115,9 +116,9 @@ def import_steps(
     )
     faults = check_traces(found)
     for fault in faults:
-        click.echo(f"explicable: {steps_file}, trace {fault.line}: {fault.message}", err=True)
+        complain(f"{steps_file}, trace {fault.line}: {fault.message}")
     if faults:
         return EXIT_BAD_INPUT
     write_traces(output, found)
-    click.echo(f"{output}: {len(found)} traces")
+    echo(f"{output}: {len(found)} traces")
     return 0

@@ -11,9 +11,9 @@ from explicable.cli.files import (
     INPUT_FILE,
     OUTPUT_FILE,
     FiniteRange,
-    warn,
 )
 from explicable.cli.outcomes import json_option
+from explicable.cli.printing import echo, warn
 from explicable.cli.progress import is_watched
 from explicable.cli.trace_files import naming_traces, read_labelled_traces
 
@@ -114,11 +114,9 @@ def train(
         write_whole(calibration, draw_calibration(validation.steps.calibration))
     if as_json:
         held_out = None if validation is None else validation.as_dict()
-        click.echo(json.dumps({"labeller": str(output), **labeller.summary, "held_out": held_out}))
+        echo(json.dumps({"labeller": str(output), **labeller.summary, "held_out": held_out}))
         return
-    click.echo(
-        f"{output}: trained on {labeller.summary['num_labels']} labels in {len(traces)} traces", err=True
-    )
+    echo(f"{output}: trained on {labeller.summary['num_labels']} labels in {len(traces)} traces", err=True)
     if validation is not None:
         _print(validation, by)
 
@@ -147,7 +145,7 @@ def _print(validation: "Validation", by: str) -> None:
         ("calibration error", f"{steps.calibration.error:.3f}"),
     ]
     for name, text in lines:
-        click.echo(f"{name:22} {text}")
+        echo(f"{name:22} {text}")
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from explicable.errors import PDDLError
+from explicable.errors import PDDLError, visible
 
 _LONGEST_MESSAGE = 400
 MAX_NESTING = 100  # far beyond any task; keeps every recursion over formulas away from Python's limit
@@ -68,10 +68,8 @@ class Source:
         """Make the error that says what is wrong at an offset."""
         if len(message) > _LONGEST_MESSAGE:  # a name in a damaged file may be as long as the file
             message = f"{message[:_LONGEST_MESSAGE]} ..."
-        if not message.isprintable():  # nor may it speak to the reader's terminal
-            message = "".join(c if c.isprintable() else repr(c)[1:-1] for c in message)
         line, column = self.position(offset)
-        return kind(message, path=self.path, line=line, column=column)
+        return kind(visible(message), path=self.path, line=line, column=column)
 
     def warn(self, message: str, offset: int) -> None:
         """Tell whoever listens that something at an offset is doubtful."""
