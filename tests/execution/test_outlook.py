@@ -43,7 +43,7 @@ def test_who_asks_does_not_matter_and_what_everybody_adds_asks_for_nothing():
 
 @pytest.mark.parametrize("most", [100_000, 3])
 def test_what_is_remembered_is_what_a_fresh_search_finds(monkeypatch, most):
-    monkeypatch.setattr("explicable.execution.outlook.MOST_REMEMBERED", most)
+    monkeypatch.setattr("explicable.execution.remembering.MOST_REMEMBERED", most)
     for problem in (hospital(), encode(generate(np.random.default_rng(5), height=4, width=4), "exclusive")):
         outlook = prepare(problem).belief
         task, rng, state = outlook.task, np.random.default_rng(0), outlook.task.initial_state
@@ -69,14 +69,14 @@ def test_what_is_known_leads_to_the_goal_at_any_moment():
     class Watched(dict):
         def setdefault(self, key, value):
             state, goal = key
-            _, operator = value
-            if operator != -1:
-                assert (outlook.task.successor(state, operator), goal) in self
+            if value.operator is not None:
+                assert outlook.task.successor(state, value.operator) == value.after
+                assert (value.after, goal) in self
             return super().setdefault(key, value)
 
-    outlook._known = Watched()
+    outlook.ahead._known = Watched()
     assert outlook.mission_way(outlook.task.initial_state)
-    assert len(outlook._known) > 3
+    assert len(outlook.ahead._known) > 3
 
 
 @pytest.mark.parametrize("semantics", ["persistent", "exclusive"])

@@ -17,7 +17,7 @@ from typing import Protocol
 
 from explicable.execution import Course, PersonFilter, Proposal, Situation, adapt, num_changes
 from explicable.execution.monitor import Event
-from explicable.execution.outlook import remember
+from explicable.execution.remembering import remember
 from explicable.labelling import Labeller
 from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team

@@ -4,7 +4,8 @@
 states: so a game on record can be replayed.
 """
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 
 from explicable.errors import PlanError
 from explicable.execution import mind as minds
@@ -14,13 +15,9 @@ from explicable.execution.notices import Notice, Occurrence
 from explicable.execution.objections import object_to
 from explicable.execution.position import Position
 from explicable.execution.robots.protocol import Fact
-from explicable.execution.setting import Setting
 from explicable.labelling.records import LabelledStep
 from explicable.model.plan import format_action
 from explicable.model.problem import GroundAtom
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 _FAILURES = 3
 """How often a step fails before it is put down to a fact."""
@@ -34,20 +31,6 @@ class Course(Position):
     setting, at_once
         As of `Position`.
     """
-
-    def __init__(self, setting: Setting, *, at_once: bool = False) -> None:
-        super().__init__(setting, at_once=at_once)
-        self._effects: dict[Command, Callable[[Notice], None]] = {
-            Command.SEND_STEP: self._begin_step,
-            Command.ADOPT_PLAN: self._adopt_plan,
-            Command.ADOPT_SAFE_PLAN: self._adopt_safe_plan,
-            Command.TAKE_ROBOT_STEP: self._take_robot_step,
-            Command.TAKE_PERSON_STEP: self._take_person_step,
-            Command.TAKE_FACT: self._take_facts,
-            Command.DROP_AGENT: self._drop_agent,
-            Command.TAKE_AGENT_BACK: self._take_agent_back,
-            Command.RECORD_ANSWER: self._record_answer,
-        }
 
     def apply(self, notice: Notice, time_s: float) -> tuple[Command, ...]:
         """Take a notice.
@@ -77,11 +60,12 @@ class Course(Position):
                 self.monitor, commands = react(self.monitor, notice.event)
             except IllegalEventError as error:
                 refusal = str(error)
-        if not refusal and notice.event in (Event.STEP_FINISHED, Event.STEP_FAILED):
+        if not refusal and notice.event in _ENDS_OF_STEPS:
             self._under_way.pop(self.agent_of(notice.action), None)
         for command in commands:
-            if command in self._effects:
-                self._effects[command](notice)
+            effect = _EFFECTS.get(command)
+            if effect is not None:
+                effect(self, notice)
         self.occurrences.append(Occurrence(notice, time_s, self.monitor, self.state, refusal))
         return commands
 
@@ -182,3 +166,19 @@ class Course(Position):
         self._failures[action] = self._failures.get(action, 0) + 1
         fact = most_specific(self.truth.stage, action) if self._failures[action] >= _FAILURES else None
         return () if fact is None else (fact,)
+
+
+_ENDS_OF_STEPS = frozenset((Event.STEP_FINISHED, Event.STEP_FAILED))
+_EFFECTS: Mapping[Command, Callable[[Course, Notice], None]] = MappingProxyType(
+    {
+        Command.SEND_STEP: Course._begin_step,
+        Command.ADOPT_PLAN: Course._adopt_plan,
+        Command.ADOPT_SAFE_PLAN: Course._adopt_safe_plan,
+        Command.TAKE_ROBOT_STEP: Course._take_robot_step,
+        Command.TAKE_PERSON_STEP: Course._take_person_step,
+        Command.TAKE_FACT: Course._take_facts,
+        Command.DROP_AGENT: Course._drop_agent,
+        Command.TAKE_AGENT_BACK: Course._take_agent_back,
+        Command.RECORD_ANSWER: Course._record_answer,
+    }
+)

@@ -6,7 +6,8 @@ robots, planner and person, and what is to be done outside is done. Planners and
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from types import MappingProxyType
 
 from explicable.execution.course import Course
 from explicable.execution.crew import Crew
@@ -110,20 +111,6 @@ class ClosedLoop:
         self._moved: set[int] = set()  # people who have not thought about the robot's last step yet
         self._has_planned = False  # since the last step
         self._idle_events = 0
-        self._sources: dict[State, Callable[[], Notice | None]] = {
-            State.DECIDING: self._decide,
-            State.LISTENING: self._listen,
-            State.ACTING: self._hear_robot,
-            State.PLANNING: self._hear_planner,
-            State.BRIDGING: self._hear_both,
-        }
-        self._effects: dict[Command, Callable[[Notice], None]] = {
-            Command.SEND_STEP: self._send_step,
-            Command.CANCEL_STEP: lambda _: self._crew.cancel(),
-            Command.REQUEST_PLAN: self._request_plan,
-            Command.CANCEL_PLANNER: lambda _: self._desk.cancel(),
-            Command.KEEP_PERSON_STEP: self._kept.append,
-        }
 
     def run(self) -> Run:
         """Play to the end; a Ctrl-C aborts the game, whose result is still there, and goes on up."""
@@ -182,7 +169,7 @@ class ClosedLoop:
         state = self.course.monitor
         if self._kept and state not in (State.ACTING, State.BRIDGING):
             return self._kept.popleft(), True
-        return self._time_up() or self._sources[state](), False
+        return self._time_up() or _SOURCES[state](self), False
 
     def _time_up(self) -> Notice | None:
         """Return that the game is over, if it has taken too long without reaching the goal."""
@@ -210,8 +197,9 @@ class ClosedLoop:
         elif notice.event is Event.FACT_OBSERVED:
             self._has_planned = False
         for command in commands:
-            if command in self._effects:
-                self._effects[command](notice)
+            effect = _EFFECTS.get(command)
+            if effect is not None:
+                effect(self, notice)
         if request is not None and Command.ADOPT_SAFE_PLAN in commands and request.action in course.refused:
             for person in self._people:
                 person.give_up(request)
@@ -275,10 +263,19 @@ class ClosedLoop:
             self._impossible.add(asked)
         return ()
 
+    def _keep(self, notice: Notice) -> None:
+        self._kept.append(notice)
+
     def _send_step(self, notice: Notice) -> None:
         failed = self._crew.send(notice.action)
         if failed is not None:
             self._inbox.append(failed)
+
+    def _cancel_step(self, _: Notice) -> None:
+        self._crew.cancel()
+
+    def _cancel_planner(self, _: Notice) -> None:
+        self._desk.cancel()
 
     def _hear_robot(self) -> Notice | None:
         notices = self._crew.hear(self.course.step_under_way)
@@ -323,3 +320,23 @@ class ClosedLoop:
 
     def _hear_both(self) -> Notice | None:
         return self._propose(0.0) or self._hear_robot()
+
+
+_SOURCES: Mapping[State, Callable[[ClosedLoop], Notice | None]] = MappingProxyType(
+    {
+        State.DECIDING: ClosedLoop._decide,
+        State.LISTENING: ClosedLoop._listen,
+        State.ACTING: ClosedLoop._hear_robot,
+        State.PLANNING: ClosedLoop._hear_planner,
+        State.BRIDGING: ClosedLoop._hear_both,
+    }
+)
+_EFFECTS: Mapping[Command, Callable[[ClosedLoop, Notice], None]] = MappingProxyType(
+    {
+        Command.SEND_STEP: ClosedLoop._send_step,
+        Command.CANCEL_STEP: ClosedLoop._cancel_step,
+        Command.REQUEST_PLAN: ClosedLoop._request_plan,
+        Command.CANCEL_PLANNER: ClosedLoop._cancel_planner,
+        Command.KEEP_PERSON_STEP: ClosedLoop._keep,
+    }
+)

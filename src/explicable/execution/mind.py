@@ -4,9 +4,7 @@ A `Mind` is a value; every function here returns a new one. Chance comes from th
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from explicable.execution.outlook import Outlook
 from explicable.execution.participants import Participant
@@ -22,8 +20,7 @@ Belief = tuple[GroundAtom, bool]
 """A fact, and whether it is taken to be true."""
 
 
-@dataclass(frozen=True, slots=True)
-class Mind:
+class Mind(NamedTuple):
     """A participant's view of a game under way.
 
     Parameters
@@ -55,31 +52,31 @@ def regret(outlook: Outlook, participant: Participant, mind: Mind, action: Groun
     ``cost(step) + V(state after) - V(state)``, V being the cost-to-go to the participant's horizon. Infinite
     for a step believed impossible; 0 where the participant sees no way at all.
     """
-    operator = outlook.operator(mind.state, action)
-    if operator is None:
+    step = outlook.step(mind.state, action)
+    if step is None:
         return math.inf
-    cost_to_go = _measure(outlook, participant, mind)
-    before = cost_to_go(mind.state)
+    before = _cost_to_go(outlook, participant, mind, mind.state)
     if before == math.inf:
         return 0.0
-    cost, request = outlook.task.cost(operator), mind.request
+    (operator, after), request = step, mind.request
+    cost = outlook.task.cost(operator)
     if participant.horizon == "request" and request is not None and action in request.fulfilled_by:
         return cost - before
-    return cost + cost_to_go(outlook.task.successor(mind.state, operator)) - before
+    return cost + _cost_to_go(outlook, participant, mind, after) - before
 
 
-def _measure(outlook: Outlook, participant: Participant, mind: Mind) -> Callable[[State], float]:
-    """Return the cost-to-go by which the participant now judges."""
+def _cost_to_go(outlook: Outlook, participant: Participant, mind: Mind, state: State) -> float:
+    """Return the cost-to-go from a state by which the participant now judges."""
     request = mind.request
     if participant.horizon == "mission":
-        return outlook.mission_cost
+        return outlook.mission_cost(state)
     if request is not None:
-        return lambda state: outlook.fulfilment_cost(state, request)
+        return outlook.fulfilment_cost(state, request)
     if not outlook.ranked_asks(mind.state):
-        return outlook.mission_cost  # there is nothing to ask for: the robot goes on by itself
+        return outlook.mission_cost(state)  # there is nothing to ask for: the robot goes on by itself
     if participant.initiative:
-        return lambda state: min((cost for cost, _ in outlook.ranked_asks(state)), default=0)
-    return lambda _: 0  # something could be asked for and is not: the best the robot can do is wait
+        return min((cost for cost, _ in outlook.ranked_asks(state)), default=0)
+    return 0  # something could be asked for and is not: the best the robot can do is wait
 
 
 def label_step(participant: Participant, step_regret: float, rng: "np.random.Generator") -> bool:
@@ -118,27 +115,28 @@ def watch(setting: Setting, mind: Mind, action: GroundAtom, before: State, after
     A step believed impossible shows that the facts it needed hold; one with unexpected effects shows the
     effects.
     """
-    belief, state = setting.belief, mind.state
+    belief, state, requests, tried, inferred = setting.belief, *mind
     believed = belief.after(state, action)
     if believed is None:
         state = _concede(setting, state, action, before)
         believed = belief.after(state, action)
     if believed is None or not setting.same_schemas:
         believed = _take_in(setting, state if believed is None else believed, before, after)
-    asked = belief.requests.get(action)
-    requests = [request for request in mind.requests if action not in request.fulfilled_by]
-    fulfilled = len(requests) < len(mind.requests)
-    tried = frozenset() if fulfilled else mind.tried
-    if asked is not None:
-        tried = tried if fulfilled else tried | {action}
-        requests = [*(request for request in requests if request != asked), asked]
-    standing = [request for request in requests if belief.stands(believed, request)]
-    return Mind(believed, tuple(standing), tried, mind.inferred)
+    if action in belief.fulfilling:
+        left = tuple(request for request in requests if action not in request.fulfilled_by)
+        tried = tried if len(left) == len(requests) else frozenset()
+        requests = left
+    elif action in belief.requests:
+        asked = belief.requests[action]
+        requests = (*(request for request in requests if request != asked), asked)
+        tried |= {action}
+    standing = tuple([request for request in requests if belief.stands(believed, request)])
+    return Mind(believed, standing, tried, inferred)
 
 
 def give_up(mind: Mind, request: Request) -> Mind:
     """Return the mind after it was told that a request can't be fulfilled."""
-    return replace(mind, requests=tuple(other for other in mind.requests if other != request))
+    return mind._replace(requests=tuple(other for other in mind.requests if other != request))
 
 
 def _concede(setting: Setting, state: State, action: GroundAtom, truth: State) -> State:
@@ -194,7 +192,7 @@ def learn(
         return mind
     atom, value = error
     state = setting.belief.stage.believe(mind.state, atom, true=not value)
-    return replace(mind, state=state, inferred=(*mind.inferred, (atom, not value)))
+    return mind._replace(state=state, inferred=(*mind.inferred, (atom, not value)))
 
 
 def _best_way(outlook: Outlook, participant: Participant, mind: Mind) -> tuple[int, ...] | None:
@@ -214,7 +212,7 @@ def forget(setting: Setting, participant: Participant, mind: Mind, rng: "np.rand
             kept.append((atom, value))
         else:
             state = setting.belief.stage.believe(state, atom, true=not value)
-    return mind if len(kept) == len(mind.inferred) else replace(mind, state=state, inferred=tuple(kept))
+    return mind if len(kept) == len(mind.inferred) else mind._replace(state=state, inferred=tuple(kept))
 
 
 def choose(

@@ -2,42 +2,17 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from itertools import repeat
-from typing import Literal, NamedTuple, TypeVar
+from typing import NamedTuple
 
-from explicable.errors import ResourceError
+from explicable.execution.costs_to_go import CostsToGo, Goal
+from explicable.execution.remembering import remember
 from explicable.execution.stage import Stage
 from explicable.model.problem import GroundAtom
 from explicable.model.requests import Request, find_requests
 from explicable.model.task import State
 from explicable.model.team import TeamProblem
-from explicable.search import Outcome, Way, find_way, search
 
-Goal = tuple[int, ...]
-
-_NONE = -1  # no operator: at the goal, or no way there
-MOST_REMEMBERED = 100_000
-"""States about which one thing is remembered: a few ten megabytes."""
-
-Key = TypeVar("Key")
-Value = TypeVar("Value")
-
-
-def remember(known: dict[Key, Value], key: Key, value: Value, most: int | None = None) -> Value:
-    """Note what was found out, and return it; where too much is known, all else is forgotten.
-
-    ``most``: how much may be known, by default `MOST_REMEMBERED`.
-
-    Examples
-    --------
-    >>> known = {1: "one", 2: "two"}
-    >>> remember(known, 3, "three", most=2), known
-    ('three', {3: 'three'})
-    """
-    if len(known) >= (MOST_REMEMBERED if most is None else most):
-        known.clear()
-    known[key] = value
-    return value
+_NO_END = math.inf, -1, ()
 
 
 class _End(NamedTuple):
@@ -50,17 +25,19 @@ class _End(NamedTuple):
 
 
 class Outlook:
-    """Costs-to-go on one stage, each computed by A* once and remembered with the whole way found.
+    """What follows from the states of one stage, found out once and remembered.
 
-    Every state on an optimal way has its own optimal rest, so one search answers for all of them; an episode
-    that keeps to the ways expected hardly ever searches. What follows from a state (where a step leads, what
-    can be asked for and at what cost) is remembered too: the course of a game, its robots and all who watch
-    ask the same of it, and so do the next games.
+    Where steps lead, what can be asked for and at what cost: the course of a game, its robots and all who
+    watch ask the same of it, and so do the next games.
 
     Attributes
     ----------
     requests
         What each human step asks for, by the step; steps that ask for nothing are not in it.
+    fulfilling
+        The robots' steps that fulfil any request.
+    ahead
+        Costs-to-go from states that a search can begin in (`Stage.with_humans`, `Stage.robots_alone`).
     """
 
     def __init__(self, problem: TeamProblem, stage: Stage) -> None:
@@ -68,10 +45,12 @@ class Outlook:
         self.stage = stage
         self.task = stage.task
         self.requests = find_requests(problem, stage.task)
-        self._known: dict[tuple[State, Goal], tuple[float, int]] = {}
-        self._permits: dict[frozenset[GroundAtom], tuple[bool, list[Goal]]] = {}
-        self._after: dict[tuple[State, GroundAtom], State | None] = {}
+        self.fulfilling = frozenset().union(*(request.fulfilled_by for request in self.requests.values()))
+        self.ahead = CostsToGo(stage.task)
+        self._steps: dict[tuple[State, GroundAtom], tuple[int, State] | None] = {}
         self._robot_steps: dict[State, tuple[tuple[GroundAtom, int, State], ...]] = {}
+        self._is_goal: dict[State, bool] = {}
+        self._stands: dict[tuple[State, frozenset[GroundAtom]], bool] = {}
         self._ranked: dict[State, tuple[tuple[float, int], ...]] = {}
         self._fulfilments: dict[tuple[State, GroundAtom], tuple[float, int, Goal]] = {}
         self._ends = {action: self._ends_of(request) for action, request in self.requests.items()}
@@ -87,23 +66,33 @@ class Outlook:
             and problem.agent_of(action).kind == "robot"
         }
 
+    def step(self, state: State, action: GroundAtom) -> tuple[int, State] | None:
+        """Return the operator of an action that can be executed here, and the state after it."""
+        key = state, action
+        try:
+            return self._steps[key]
+        except KeyError:
+            is_applicable, step = self.task.core.is_applicable, None
+            for operator in self.task.operators_of(action):
+                if is_applicable(state, operator):
+                    step = operator, self.task.successor(state, operator)
+                    break
+            return remember(self._steps, key, step)
+
     def operator(self, state: State, action: GroundAtom) -> int | None:
-        """Return the operator by which an action can be executed here, if it can."""
-        is_applicable = self.task.core.is_applicable
-        for operator in self.task.operators_of(action):
-            if is_applicable(state, operator):
-                return operator
-        return None
+        """Return the operator by which an action is executed here; None if it can't be."""
+        step = self.step(state, action)
+        return None if step is None else step[0]
 
     def after(self, state: State, action: GroundAtom) -> State | None:
         """Return the state after an action; None if it can't be executed here."""
-        key = state, action
-        try:
-            return self._after[key]
-        except KeyError:
-            operator = self.operator(state, action)
-            after = None if operator is None else self.task.successor(state, operator)
-            return remember(self._after, key, after)
+        step = self.step(state, action)
+        return None if step is None else step[1]
+
+    def is_goal(self, state: State) -> bool:
+        """Whether the goal holds."""
+        known = self._is_goal.get(state)
+        return remember(self._is_goal, state, self.task.is_goal(state)) if known is None else known
 
     def robot_steps(self, state: State) -> tuple[tuple[GroundAtom, int, State], ...]:
         """Return the steps that the robots can take here, what each costs, and the state after it."""
@@ -128,23 +117,12 @@ class Outlook:
 
     def stands(self, state: State, request: Request) -> bool:
         """Tell whether a request has not been withdrawn."""
-        permits = self._permits.get(request.permits)
-        if permits is None:
-            permits = self._permits[request.permits] = self._permits_of(request)
-        always, facts = permits
-        return always or any(map(self.task.core.holds, repeat(state), facts))
-
-    def _permits_of(self, request: Request) -> tuple[bool, list[Goal]]:
-        """Return whether one of a request's permits always holds, and those that may change."""
-        task = self.task
-        changing: list[Goal] = []
-        for atom in request.permits:
-            fact = task.fact_number(atom)
-            if fact is not None:
-                changing.append((fact,))
-            elif task.holds(atom, task.initial_state):
-                return True, []
-        return False, changing
+        key = state, request.permits
+        known = self._stands.get(key)
+        if known is None:
+            known = any(self.task.holds(permit, state) for permit in request.permits)
+            remember(self._stands, key, known)
+        return known
 
     def ranked_asks(self, state: State) -> tuple[tuple[float, int], ...]:
         """Rank the human operators that are applicable and ask for something the goal still lacks.
@@ -176,10 +154,10 @@ class Outlook:
         achieved = {fact for end in self._ends[request.action] for fact in end.adds}
         if not achieved.isdisjoint(self.task.goal):
             return not achieved.isdisjoint(lacking)
+        cost = self.ahead.cost
         unasked, when_asked = self.stage.robots_alone(state), self.stage.robots_alone(asked)
         return any(
-            self._cost(unasked, (fact,)) == math.inf and self._cost(when_asked, (fact,)) < math.inf
-            for fact in lacking
+            cost(unasked, (fact,)) == math.inf and cost(when_asked, (fact,)) < math.inf for fact in lacking
         )
 
     def fulfilment_cost(self, state: State, request: Request) -> float:
@@ -191,34 +169,33 @@ class Outlook:
         cost, wanted, needs = self._fulfilment(state, request)
         if cost == math.inf:
             return None
-        return (*self._way(self.stage.robots_alone(state), needs), wanted)
+        return (*(self.ahead.way(self.stage.robots_alone(state), needs) or ()), wanted)
 
     def next_operator(self, state: State, request: Request) -> int | None:
         """Return the first operator of `fulfilment_way`, without walking the rest."""
         cost, wanted, needs = self._fulfilment(state, request)
         if cost == math.inf:
             return None
-        first = self._known_from(self.stage.robots_alone(state), needs)[1]
-        return wanted if first == _NONE else first
+        first = self.ahead.first(self.stage.robots_alone(state), needs)
+        return wanted if first is None else first
 
     def mission_cost(self, state: State) -> float:
         """Return what it costs the team to reach its goal."""
-        return self._cost(self.stage.with_humans(state), self.task.goal)
+        return self.ahead.cost(self.stage.with_humans(state), self.task.goal)
 
     def mission_way(self, state: State) -> tuple[int, ...] | None:
         """Return a best way for the team to reach its goal."""
-        start = self.stage.with_humans(state)
-        return None if self._cost(start, self.task.goal) == math.inf else self._way(start, self.task.goal)
+        return self.ahead.way(self.stage.with_humans(state), self.task.goal)
 
     def _fulfilment(self, state: State, request: Request) -> tuple[float, int, Goal]:
         """Return the cost of a best way, the operator at its end, and what that one needs."""
         key = state, request.action
         found = self._fulfilments.get(key)
         if found is None:
-            alone = self.stage.robots_alone(state)
+            alone, cost = self.stage.robots_alone(state), self.ahead.cost
             ends = self._ends.get(request.action, ())  # another model's request may be beyond this one
-            ways = ((self._cost(alone, end.needs) + end.cost, end.operator, end.needs) for end in ends)
-            found = remember(self._fulfilments, key, min(ways, default=(math.inf, _NONE, ())))
+            ways = ((cost(alone, end.needs) + end.cost, end.operator, end.needs) for end in ends)
+            found = remember(self._fulfilments, key, min(ways, default=_NO_END))
         return found
 
     def _ends_of(self, request: Request) -> tuple["_End", ...]:
@@ -228,49 +205,3 @@ class Outlook:
             for action in sorted(request.fulfilled_by)
             for o in task.operators_of(action)
         )
-
-    def _cost(self, state: State, goal: Goal) -> float:
-        return self._known_from(state, goal)[0]
-
-    def _way(self, state: State, goal: Goal) -> tuple[int, ...]:
-        way = []
-        while (operator := self._known_from(state, goal)[1]) != _NONE:
-            way.append(operator)
-            state = self.task.successor(state, operator)
-        return tuple(way)
-
-    def _known_from(self, state: State, goal: Goal) -> tuple[float, int]:
-        """Return the cost-to-go and the operator to begin with."""
-        known = self._known.get((state, goal))
-        return self._explore(state, goal) if known is None else known
-
-    def _explore(self, state: State, goal: Goal) -> tuple[float, int]:
-        if len(self._known) >= MOST_REMEMBERED:
-            self._known.clear()
-        task = self.task
-        operators, states = find_way(task, state, goal) or self._search(state, goal)
-        if not states:
-            return self._known.setdefault((state, goal), (math.inf, _NONE))
-        # From the goal back, and what is known stays: so whatever is known leads to the goal, at any moment
-        # in which another thread may look.
-        remaining, cost = 0, task.core.cost
-        known = self._known.setdefault((states[-1], goal), (remaining, _NONE))
-        for operator, before in zip(reversed(operators), reversed(states[:-1]), strict=True):
-            remaining += cost(operator)
-            known = self._known.setdefault((before, goal), (remaining, operator))
-        return known
-
-    def _search(self, state: State, goal: Goal) -> Way:
-        # A request mostly needs one thing, for which h_max is as good as LM-cut and much cheaper.
-        heuristic: Literal["lmcut", "hmax"] = "lmcut" if goal == self.task.goal else "hmax"
-        result = search(self.task, "astar", initial_state=state, goal=goal, heuristic=heuristic)
-        if result.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        if result.outcome is Outcome.LIMIT:
-            raise ResourceError(f"not enough memory for the exact cost-to-go in {self.task.problem.name}")
-        if result.operators is None:
-            return Way((), ())
-        states = [state]
-        for operator in result.operators:
-            states.append(self.task.successor(states[-1], operator))
-        return Way(result.operators, states)

@@ -103,11 +103,13 @@ class Position:
     @property
     def has_reached_goal(self) -> bool:
         """Whether the goal holds."""
-        return self.truth.task.is_goal(self.state)
+        return self.truth.is_goal(self.state)
 
     def allows(self, action: GroundAtom) -> bool:
         """Whether a step is possible now, by an agent that is not lost."""
-        return self.truth.after(self.state, action) is not None and not self._needs_lost((action,))
+        return self.truth.step(self.state, action) is not None and not (
+            self.lost and self._needs_lost((action,))
+        )
 
     def is_human(self, action: GroundAtom) -> bool:
         """Whether a step is a person's."""
@@ -128,7 +130,7 @@ class Position:
         """Whether steps are possible from here, without lost agents, and reach the goal."""
         actions = tuple(actions)
         state = self.truth.follow(self.state, actions)
-        return state is not None and self.truth.task.is_goal(state) and not self._needs_lost(actions)
+        return state is not None and self.truth.is_goal(state) and not self._needs_lost(actions)
 
     def _needs_lost(self, actions: Actions) -> bool:
         """Tell whether a lost agent has a part in some steps."""

@@ -88,7 +88,11 @@ class TeamProblem:
     def agent_of(self, action: GroundAtom) -> Agent:
         """Who executes an action: its first argument if that is an agent, else the (first) robot."""
         agent = self._agent_by_name.get(action[1]) if len(action) > 1 else None
-        return agent or next(agent for agent in self.agents if agent.kind == "robot")
+        return agent or self._first_robot
+
+    @cached_property
+    def _first_robot(self) -> Agent:
+        return next(agent for agent in self.agents if agent.kind == "robot")
 
 
 @dataclass(frozen=True, slots=True)
