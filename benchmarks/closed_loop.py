@@ -177,7 +177,9 @@ def _traces(semantics: str) -> list:
     training = [encode(world, semantics) for world in builtin_maps("training").values()]
     return [
         episode.trace
-        for episode in simulate_study(training, builtin_families()["myopic"], num_traces=34, seed=0)
+        for episode in simulate_study(
+            training, builtin_families()["myopic"], num_traces=34, seed=0, way="commanded"
+        )
     ]
 
 

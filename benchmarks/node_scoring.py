@@ -72,7 +72,7 @@ def main() -> None:
 def measure(rounds: int) -> Iterator[dict]:
     """Score nodes of random walks, by both programs."""
     problems = [encode(world, "exclusive") for world in list(builtin_maps().values())[:4]]
-    episodes = simulate_study(problems, builtin_families()["myopic"], num_traces=8)
+    episodes = simulate_study(problems, builtin_families()["myopic"], num_traces=8, way="commanded")
     labeller = Labeller.train([episode.trace for episode in episodes], num_bootstrap=0)
     team = TeamFeatures(ground_team(problems[0]))
     task, rng = team.task, np.random.default_rng(0)

@@ -68,7 +68,7 @@ class Run:
 def make_setting(semantics: str, alpha: float, patience_s: float) -> Setting:
     """Train the labeller, and plan once, so that all is loaded."""
     training = [encode(world, semantics) for world in builtin_maps("training").values()]
-    episodes = simulate_study(training, builtin_families()["myopic"], num_traces=34, seed=0)
+    episodes = simulate_study(training, builtin_families()["myopic"], num_traces=34, seed=0, way="commanded")
     labeller = Labeller.train([episode.trace for episode in episodes], num_bootstrap=0)
     plan_explicably(ground_team(training[0]), labeller, alpha=alpha)
     return Setting(labeller, semantics, alpha, patience_s)

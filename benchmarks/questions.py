@@ -56,7 +56,9 @@ def repetition(family, seed, arguments):
     num_traces = arguments.pool + arguments.tests
     problems = [encode(generate(rng)) for _ in range(num_traces)]
     data = TrainingData()
-    for episode in simulate_study(problems, builtin_families()[family], num_traces=num_traces, seed=seed):
+    for episode in simulate_study(
+        problems, builtin_families()[family], num_traces=num_traces, seed=seed, way="commanded"
+    ):
         data.add(episode.trace)
     pool = range(arguments.pool)
     plans, answers = data.features[arguments.pool :], data.labels[arguments.pool :]

@@ -6,9 +6,12 @@ from pathlib import Path
 import pytest
 
 from cli.test_given_plans import explicable
+from explicable.execution import builtin_families, simulate_study
 from explicable.labelling import check_traces, read_traces
+from explicable.pddl import read_team_problem
 
 ROVERS = Path(__file__).parents[2] / "examples" / "rover-survey"
+NAMES = ("domain.pddl", "problem.pddl", "human-domain.pddl", "human-problem.pddl")
 FILES = [str(ROVERS / name) for name in ("domain.pddl", "problem.pddl")]
 HUMAN = [
     "--human-domain",
@@ -90,3 +93,10 @@ def test_what_can_not_be_shown_is_refused(tmp_path):
     assert "odd.plan:1" in done.stderr
     done = explicable(tmp_path, "simulate", *FILES, "--plan", "odd.plan", "--way", "mixed", "-o", "x")
     assert done.returncode == 2
+
+
+def test_python_plays_as_the_command_line_does(tmp_path):
+    assert explicable(tmp_path, "simulate", *FILES, *HUMAN, "--num", "8", "-o", "traces").returncode == 0
+    problem = read_team_problem(*(ROVERS / name for name in NAMES))
+    episodes = simulate_study([problem], builtin_families()["myopic"], num_traces=8)
+    assert [trace.steps for trace in read_traces(tmp_path / "traces")] == [e.trace.steps for e in episodes]

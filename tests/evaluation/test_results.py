@@ -129,7 +129,7 @@ def test_another_run_with_the_same_seed_differs_in_times_alone(finished, tmp_pat
 def test_traces_of_a_study_take_the_place_of_simulated_games(tmp_path, capsys):
     maps = [builtin_maps("training")["training-01"], builtin_maps("test")["test-02"]]
     problems = [encode(world, "exclusive") for world in maps]
-    games = simulate_study(problems, builtin_families()["myopic"], num_traces=4, seed=3)
+    games = simulate_study(problems, builtin_families()["myopic"], num_traces=4, seed=3, way="commanded")
     write_traces(tmp_path / "traces.jsonl", [game.trace for game in games])
     arguments = ["evaluate", "--traces", str(tmp_path / "traces.jsonl"), "--quick", "-o", str(tmp_path)]
     assert command_line(arguments) == 0

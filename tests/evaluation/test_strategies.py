@@ -21,7 +21,7 @@ from explicable.planning import HumanModel
 @pytest.fixture(scope="module")
 def labeller():
     problems = [encode(world) for world in list(builtin_maps("training").values())[:4]]
-    episodes = simulate_study(problems, builtin_families()["myopic"], num_traces=8)
+    episodes = simulate_study(problems, builtin_families()["myopic"], num_traces=8, way="commanded")
     return Labeller.train([episode.trace for episode in episodes], num_bootstrap=0)
 
 
@@ -58,7 +58,10 @@ def test_foresight_decides_what_is_asked_next_if_it_is_dear_enough(labeller):
 def test_what_people_did_in_traces_is_foreseen():
     """Participants ask for what is nearest; a planner that learned this lets the person ask so."""
     problems = [encode(world, "exclusive") for world in list(builtin_maps("training").values())[:8]]
-    traces = [game.trace for game in simulate_study(problems, builtin_families()["myopic"], num_traces=16)]
+    traces = [
+        game.trace
+        for game in simulate_study(problems, builtin_families()["myopic"], num_traces=16, way="commanded")
+    ]
     labeller, human = Labeller.train(traces, num_bootstrap=0), HumanModel.learn(traces)
     for world in builtin_maps("test").values():
         problem = encode(world, "exclusive")

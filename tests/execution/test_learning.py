@@ -79,7 +79,9 @@ def test_a_filter_needs_sound_numbers(problems, wrong):
 
 @pytest.fixture(scope="module")
 def game(problems):
-    traces = [e.trace for e in simulate_study(problems, builtin_families()["myopic"], num_traces=4)]
+    traces = [
+        e.trace for e in simulate_study(problems, builtin_families()["myopic"], num_traces=4, way="commanded")
+    ]
     labeller = Labeller.train(traces, num_bootstrap=0)
     return labeller, TeamFeatures(ground_team(problems[0])), traces[0]
 

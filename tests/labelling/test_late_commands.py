@@ -49,7 +49,7 @@ def test_steps_without_a_request_are_labelled_worse_by_who_has_seen_some(plans, 
 def test_one_of_four_games_surprises():
     problem = encode(builtin_maps("training")["training-01"])
     episodes = simulate_study([problem], builtin_families()["myopic"], num_traces=8, seed=3, way="mixed")
-    plain = simulate_study([problem], builtin_families()["myopic"], num_traces=8, seed=3)
+    plain = simulate_study([problem], builtin_families()["myopic"], num_traces=8, seed=3, way="commanded")
     moved_unasked = [episode.trace.steps[0].action[0] == "move" for episode in episodes]
     assert sum(moved_unasked[:4]) == sum(moved_unasked[4:]) == 1
     same = [one.trace.steps == two.trace.steps for one, two in zip(episodes, plain, strict=True)]

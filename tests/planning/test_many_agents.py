@@ -25,7 +25,7 @@ from planning.floors import PATIENCE_S
 def line():
     """The team, traces and a labeller."""
     problem = courier()
-    episodes = simulate_study([problem], builtin_families()["myopic"], num_traces=6)
+    episodes = simulate_study([problem], builtin_families()["myopic"], num_traces=6, way="commanded")
     traces = [episode.trace for episode in episodes]
     return ground_team(problem), traces, Labeller.train(traces, num_bootstrap=0)
 

@@ -20,8 +20,8 @@ def episodes():
         [encode(world) for world in list(builtin_maps(kind).values())[:8]] for kind in ("training", "test")
     )
     return (
-        simulate_study(train, family, num_traces=16, seed=1),
-        simulate_study(test, family, num_traces=4, seed=2),
+        simulate_study(train, family, num_traces=16, seed=1, way="commanded"),
+        simulate_study(test, family, num_traces=4, seed=2, way="commanded"),
     )
 
 

@@ -248,7 +248,7 @@ def simulate_study(
     names: Sequence[str] | None = None,
     num_traces: int = 34,
     seed: int = 0,
-    way: StudyWay = "commanded",
+    way: StudyWay = "mixed",
 ) -> list[Episode]:
     """Play a whole study: participants of one family, each of whom plays a few of the problems.
 
