@@ -167,6 +167,21 @@ def test_wrong_answers_lead_back_to_the_instructions_and_then_out(tmp_path):
     assert len(freed) == 2
 
 
+def test_an_incomplete_form_that_is_sent_once_more_changes_nothing(client, tmp_path):
+    visitor = Visitor(client)
+    visitor.arrive()
+    visitor.consent()
+    visitor.submit()
+    visitor.play()
+    incomplete = visitor.hidden()
+    for _ in range(2):
+        assert "Please answer every question" in client.post("/session", data=incomplete).text
+    assert rows(tmp_path, tables.ANSWERS) == []
+    visitor.submit(**{"question-1": "before"})
+    assert "Task 1 of 2" in client.post("/session", data=incomplete).text
+    assert [row["value"] for row in rows(tmp_path, tables.ANSWERS)] == ["before"]
+
+
 def test_who_declines_leaves_no_trace(client, tmp_path):
     visitor = Visitor(client)
     visitor.arrive()

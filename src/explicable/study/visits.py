@@ -116,4 +116,5 @@ class Visits:
             except ConflictError:
                 return RedirectResponse("/session", 303)  # another tab was quicker: go on from there
             return RedirectResponse("/session", 303)
+        # Not redirected: nothing of a form that lacks something is kept, so this answer alone can show it.
         return server.pages.session(standing, {}, filled_in=form)
