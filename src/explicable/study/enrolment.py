@@ -98,7 +98,10 @@ def _version() -> str:
 
 
 def free_places(materials: Materials, tx: Transaction, now: float) -> int:
-    """Let sessions that have shown no sign of life for too long give their places back."""
+    """Let sessions that have shown no sign of life for too long give their places back.
+
+    ``now`` is the clock of day: what sessions were seen by outlives this process, and others share it.
+    """
     silent = tx.silent_since(now - 60 * materials.study.time_limit_min, OPEN_STAGES)
     for session in silent:
         row = tx.lock_session(session, "")
