@@ -12,11 +12,14 @@ from explicable.execution import (
     PersonFilter,
     Proposal,
     SimulatedPerson,
+    Thoughts,
     adapt,
     builtin_families,
+    draw_evenly,
     prepare,
     run,
     simulate_study,
+    thoughts,
 )
 from explicable.execution.monitor import Event
 from explicable.first_response import builtin_maps, encode
@@ -30,7 +33,8 @@ def play(problem, participant, families, seed=0):
     """Play as a follower; return the filter, and what it predicted before each request."""
     setting = prepare(problem)
     person = SimulatedPerson(setting, participant, np.random.default_rng(seed))
-    guesses = PersonFilter(setting, families, np.random.default_rng(1), num_guesses=20)
+    rng = np.random.default_rng(1)
+    guesses = PersonFilter(setting, draw_evenly(families, rng, num_guesses=20), rng)
     predicted, last = [], [guesses.predict()]
 
     def watch(course):
@@ -71,10 +75,33 @@ def test_answers_tell_a_strict_judge_from_a_mild_one(problems):
         assert np.mean([chances.get(name, 0.0) for chances in found]) > 0.9
 
 
-@pytest.mark.parametrize("wrong", [{"num_guesses": 0}, {"temperature": 0.0}, {"lapse": 0.0}, {"lapse": 1.0}])
-def test_a_filter_needs_sound_numbers(problems, wrong):
+@pytest.mark.parametrize("wrong", [{"temperature": 0.0}, {"lapse": 0.0}, {"lapse": 1.0}])
+def test_a_filter_needs_guesses_and_sound_numbers(problems, wrong):
+    setting, rng, families = prepare(problems[0]), np.random.default_rng(0), builtin_families().values()
     with pytest.raises(UsageError):
-        PersonFilter(prepare(problems[0]), builtin_families().values(), np.random.default_rng(0), **wrong)
+        PersonFilter(setting, draw_evenly(families, rng), rng, **wrong)
+    with pytest.raises(UsageError):
+        PersonFilter(setting, (), rng)
+    with pytest.raises(UsageError):
+        draw_evenly(families, rng, num_guesses=0)
+    with pytest.raises(UsageError):
+        draw_evenly([], rng)
+
+
+@pytest.mark.parametrize("most", [0, 3, thoughts.MOST_THOUGHTS])
+def test_what_is_remembered_of_other_games_changes_nothing(problems, most, monkeypatch):
+    monkeypatch.setattr(thoughts, "MOST_THOUGHTS", most)
+    setting, families = prepare(problems[0]), list(builtin_families().values())
+    shared = Thoughts(setting)
+    for seed in range(3):
+        found = []
+        for known in (shared, shared, Thoughts(setting)):
+            rng = np.random.default_rng(seed)
+            guesses = PersonFilter(setting, draw_evenly(families, rng), rng, thoughts=known)
+            person = SimulatedPerson(setting, families[seed].draw(seed, rng), np.random.default_rng(seed))
+            run(setting, lambda _: Proposal(Outcome.LIMIT), person, watch=guesses.see)
+            found.append([(guess.thought.mind, guess.weight, guess.regret) for guess in guesses.guesses])
+        assert found[0] == found[1] == found[2]
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 """The robot's strategies that are compared in closed loop (method page, section 7), each as a planner."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from explicable.evaluation.replanning import (
     Prices,
 )
 from explicable.execution import (
-    Family,
+    Participant,
     PersonFilter,
     Planner,
     Proposal,
@@ -23,7 +23,9 @@ from explicable.execution import (
     Setting,
     SimulatedPerson,
     Situation,
+    Thoughts,
     builtin_families,
+    draw_evenly,
     run,
 )
 from explicable.labelling import Labeller
@@ -60,13 +62,15 @@ def strategies(
     >>> list(strategies(Labeller(nothing_known)))
     ['follower', 'nearest', 'ff', 'explicable', 'learning', 'oracle']
     """
-    grounding, families = Grounding(labeller), builtin_families()
+    grounding = Grounding(labeller)
 
     def planner() -> ExplicablePlanner:
         return ExplicablePlanner(labeller, prices, improve_s=improve_s, grounding=grounding)
 
+    acquaint = _Acquaintance()
+
     def learning(setting: Setting, person: SimulatedPerson) -> LearningPlanner:
-        return LearningPlanner(planner(), _guesses(setting, person, families))
+        return LearningPlanner(planner(), acquaint(setting, person))
 
     classical, explicable = ClassicalPlanner(), planner()
     return {
@@ -87,10 +91,24 @@ def play(strategy: Strategy, setting: Setting, person: SimulatedPerson, **option
     return run(setting, planner, person, **options)
 
 
-def _guesses(setting: Setting, person: SimulatedPerson, families: Mapping[str, Family]) -> PersonFilter:
-    """Return a filter whose guesses come from all families but the person's own."""
-    others = [family for family in families.values() if f"-{family.name}-" not in person.name]
-    return PersonFilter(setting, others, np.random.default_rng(0))
+class _Acquaintance:
+    """Makes filters whose guesses come from all families but the person's own."""
+
+    def __init__(self) -> None:
+        self._families = builtin_families()
+        self._drawn: dict[tuple[str, ...], tuple[Participant, ...]] = {}
+        self._thoughts: Thoughts | None = None
+
+    def __call__(self, setting: Setting, person: SimulatedPerson) -> PersonFilter:
+        """Return a filter for a game; what its guesses think is remembered for the next one on the map."""
+        others = tuple(name for name in self._families if f"-{name}-" not in person.name)
+        if others not in self._drawn:
+            drawn_from = [self._families[name] for name in others]
+            self._drawn[others] = draw_evenly(drawn_from, np.random.default_rng(0))
+        if self._thoughts is None or self._thoughts.setting is not setting:
+            self._thoughts = Thoughts(setting)
+        rng = np.random.default_rng(1)
+        return PersonFilter(setting, self._drawn[others], rng, thoughts=self._thoughts)
 
 
 def follow(situation: Situation) -> Proposal:  # noqa: ARG001 (a planner's signature)

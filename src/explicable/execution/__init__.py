@@ -21,11 +21,12 @@ from explicable.execution.notices import Notice, Occurrence
 from explicable.execution.participants import Family, Participant, builtin_families, read_families
 from explicable.execution.people import Person, ScriptedPerson, SimulatedPerson
 from explicable.execution.plans import Planner, Proposal, Situation, num_changes
-from explicable.execution.recognition import PersonFilter
+from explicable.execution.recognition import PersonFilter, draw_evenly
 from explicable.execution.records import EpisodeRecord, Replay, record, replay
 from explicable.execution.runs import Limits, Run
 from explicable.execution.setting import Setting, prepare
 from explicable.execution.showing import show
+from explicable.execution.thoughts import Thoughts
 
 __all__ = [
     "ClosedLoop",
@@ -50,9 +51,11 @@ __all__ = [
     "SimulatedPerson",
     "Situation",
     "StudyWay",
+    "Thoughts",
     "adapt",
     "assign",
     "builtin_families",
+    "draw_evenly",
     "draw_monitor",
     "judge",
     "num_changes",

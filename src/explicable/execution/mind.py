@@ -3,7 +3,9 @@
 A `Mind` is a value; every function here returns a new one. Chance comes from the generator handed in.
 """
 
+import itertools
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from explicable.execution.outlook import Outlook
@@ -188,8 +190,11 @@ def learn(
     setting: Setting, participant: Participant, mind: Mind, error: Belief | None, rng: "np.random.Generator"
 ) -> Mind:
     """Return the mind after it had the chance to see an error; see `infer`."""
-    if error is None or rng.random() >= participant.learning:
-        return mind
+    return mind if error is None or rng.random() >= participant.learning else correct(setting, mind, error)
+
+
+def correct(setting: Setting, mind: Mind, error: Belief) -> Mind:
+    """Return the mind after it has worked out that a belief is wrong."""
     atom, value = error
     state = setting.belief.stage.believe(mind.state, atom, true=not value)
     return mind._replace(state=state, inferred=(*mind.inferred, (atom, not value)))
@@ -206,13 +211,17 @@ def forget(setting: Setting, participant: Participant, mind: Mind, rng: "np.rand
     """Return the mind after a moment in which each inferred fact may have been forgotten."""
     if not mind.inferred:
         return mind
-    kept, state = [], mind.state
-    for atom, value in mind.inferred:
-        if rng.random() < participant.memory:
-            kept.append((atom, value))
-        else:
+    kept = [rng.random() < participant.memory for _ in mind.inferred]
+    return mind if all(kept) else keep(setting, mind, kept)
+
+
+def keep(setting: Setting, mind: Mind, kept: Sequence[bool]) -> Mind:
+    """Return the mind of whose inferred facts these are kept, in their order, and the others forgotten."""
+    state = mind.state
+    for (atom, value), still_known in zip(mind.inferred, kept, strict=True):
+        if not still_known:
             state = setting.belief.stage.believe(state, atom, true=not value)
-    return mind if len(kept) == len(mind.inferred) else mind._replace(state=state, inferred=tuple(kept))
+    return mind._replace(state=state, inferred=tuple(itertools.compress(mind.inferred, kept)))
 
 
 def choose(

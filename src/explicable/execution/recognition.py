@@ -10,26 +10,23 @@ participants. It watches the game as the person does, and is as probable as it m
 When few guesses carry the weight, they are drawn anew (Gordon, Salmond & Smith 1993).
 """
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from explicable.errors import UsageError
 from explicable.execution import mind as minds
 from explicable.execution.course import Course
-from explicable.execution.mind import Belief, Mind
 from explicable.execution.monitor import Event
 from explicable.execution.notices import Occurrence
 from explicable.execution.participants import Family, Participant
 from explicable.execution.setting import Setting
+from explicable.execution.thoughts import Thought, Thoughts
 from explicable.model.problem import GroundAtom
 from explicable.model.task import State
 
 if TYPE_CHECKING:
     import numpy as np
-
-Answer = TypeVar("Answer")
 
 
 @dataclass(slots=True)
@@ -40,7 +37,7 @@ class Guess:
     ----------
     participant
         How it judges and learns.
-    mind
+    thought
         What it believes now.
     weight
         Its probability.
@@ -49,9 +46,28 @@ class Guess:
     """
 
     participant: Participant
-    mind: Mind
+    thought: Thought
     weight: float
     regret: float = field(default=0.0)
+
+
+def draw_evenly(
+    families: Iterable[Family], rng: "np.random.Generator", *, num_guesses: int = 24
+) -> tuple[Participant, ...]:
+    """Draw simulated participants from families in turn: whom a `PersonFilter` reckons with.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from explicable.execution import builtin_families
+    >>> drawn = draw_evenly(builtin_families().values(), np.random.default_rng(0), num_guesses=4)
+    >>> [participant.name for participant in drawn]
+    ['simulated-myopic-0', 'simulated-mission-1', 'simulated-boltzmann-2', 'simulated-myopic-3']
+    """
+    drawn_from = list(families)
+    if not drawn_from or num_guesses < 1:
+        raise UsageError("a filter needs families, and a guess or more")
+    return tuple(drawn_from[i % len(drawn_from)].draw(i, rng) for i in range(num_guesses))
 
 
 class PersonFilter:
@@ -61,40 +77,36 @@ class PersonFilter:
     ----------
     setting
         Where the game is played.
-    families
-        From which guesses are drawn, evenly.
+    participants
+        Whom the person may be; each is a guess. Their number bounds time and memory.
     rng
         All chance comes from here.
-    num_guesses
-        How many: bounds time and memory.
     temperature
         T of the requests, in the unit of cost.
     lapse
         Probability that the person does what no guess explains, above 0 and below 1.
+    thoughts
+        Shared by the filters of games on the same map.
     """
 
     def __init__(
         self,
         setting: Setting,
-        families: Iterable[Family],
+        participants: Iterable[Participant],
         rng: "np.random.Generator",
         *,
-        num_guesses: int = 24,
         temperature: float = 1.0,
         lapse: float = 0.1,
+        thoughts: Thoughts | None = None,
     ) -> None:
-        drawn_from = list(families)
-        if not drawn_from or num_guesses < 1 or not (temperature > 0 and 0 < lapse < 1):
-            raise UsageError(
-                "a filter needs families, a guess or more, a temperature above 0, a lapse in (0, 1)"
-            )
+        drawn = tuple(participants)
+        if not drawn or not (temperature > 0 and 0 < lapse < 1):
+            raise UsageError("a filter needs a guess or more, a temperature above 0, a lapse in (0, 1)")
         self.setting, self._rng = setting, rng
         self.temperature, self.lapse = temperature, lapse
-        start = Mind(setting.belief.task.initial_state)
-        self.guesses = [
-            Guess(drawn_from[i % len(drawn_from)].draw(i, rng), start, 1.0 / num_guesses)
-            for i in range(num_guesses)
-        ]
+        self._thoughts = thoughts or Thoughts(setting)
+        start = self._thoughts.first
+        self.guesses = [Guess(participant, start, 1.0 / len(drawn)) for participant in drawn]
         self._num_seen = 0
         self._state = setting.truth.task.initial_state
 
@@ -112,9 +124,8 @@ class PersonFilter:
         Empty if nothing is left to ask for. A request under way is taken to be fulfilled before that.
         """
         chances: dict[GroundAtom, float] = {}
-        choices = self._of_minds(lambda mind: self._choices(self._settle(mind)))
-        for guess, likely in zip(self.guesses, choices, strict=True):
-            for action, chance in likely.items():
+        for guess in self.guesses:
+            for action, chance in self._choices(self._thoughts.rest(guess.thought)).items():
                 chances[action] = chances.get(action, 0.0) + guess.weight * chance
         return chances
 
@@ -136,64 +147,35 @@ class PersonFilter:
             self._watch(action, after)
         elif event is Event.PERSON_COMMANDED and after != self._state:
             if action in self.setting.belief.requests:
-                self._weigh(self._of_minds(lambda mind: self._choices(mind).get(action, self.lapse)))
+                self._weigh([self._choices(g.thought).get(action, self.lapse) for g in self.guesses])
             self._watch(action, after)
-
-    def _of_minds(self, ask: Callable[[Mind], Answer]) -> list[Answer]:
-        """Ask the mind of each guess; many share one, which is asked once."""
-        minds_by_id = {id(guess.mind): guess.mind for guess in self.guesses}
-        answers = {key: ask(mind) for key, mind in minds_by_id.items()}
-        return [answers[id(guess.mind)] for guess in self.guesses]
 
     def _watch(self, action: GroundAtom, after: State) -> None:
         """Let all guesses see a step."""
-        seen = self._of_minds(lambda mind: minds.watch(self.setting, mind, action, self._state, after))
-        for guess, mind in zip(self.guesses, seen, strict=True):
-            guess.mind = mind
+        watch, before = self._thoughts.watch, self._state
+        for guess in self.guesses:
+            guess.thought = watch(guess.thought, action, before, after)
 
     def _think(self, action: GroundAtom) -> None:
         """Let all guesses judge a robot step and perhaps learn from it, as simulated participants do."""
-        setting = self.setting
-        # Judged once for all that judge alike; with the mind, so that no other can come to have its id.
-        judged: dict[tuple[int, str, bool], tuple[Mind, float, Belief | None]] = {}
-        changed: dict[Mind, Mind] = {}  # equal ones become one
+        thoughts, chance, truth = self._thoughts, self._rng.random, self._state
         for guess in self.guesses:
-            who, before = guess.participant, guess.mind
-            mind = minds.forget(setting, who, before, self._rng)
-            key = id(mind), who.horizon, who.initiative
-            if key not in judged:
-                regret = minds.regret(setting.belief, who, mind, action)
-                error = minds.find_error(setting, who, mind, self._state) if regret > 0 else None
-                judged[key] = mind, regret, error
-            _, guess.regret, error = judged[key]
-            mind = minds.learn(setting, who, mind, error, self._rng)
-            guess.mind = mind if mind is before else changed.setdefault(mind, mind)
+            who = guess.participant
+            if inferred := guess.thought.mind.inferred:
+                kept = tuple([chance() < who.memory for _ in inferred])
+                if not all(kept):
+                    guess.thought = thoughts.keep(guess.thought, kept)
+            guess.regret, error = thoughts.judge(guess.thought, who, action, truth)
+            if error is not None and chance() < who.learning:
+                guess.thought = thoughts.correct(guess.thought, error)
+
+    def _choices(self, thought: Thought) -> Mapping[GroundAtom, float]:
+        return self._thoughts.choices(thought, self.temperature, self.lapse)
 
     def _answers(self, guess: Guess, *, explicable: bool) -> float:
         accepted = minds.acceptance(guess.participant, guess.regret)
         meant = accepted if explicable else 1.0 - accepted
         return (1.0 - self.lapse) * meant + self.lapse * (1.0 - meant)
-
-    def _choices(self, mind: Mind) -> dict[GroundAtom, float]:
-        belief = self.setting.belief
-        asks = [(cost, belief.task.action(operator)) for cost, operator in belief.ranked_asks(mind.state)]
-        if not asks:
-            return {}
-        least = asks[0][0]
-        sane = [math.exp((least - cost) / self.temperature) if least < math.inf else 1.0 for cost, _ in asks]
-        total = sum(sane)
-        return {
-            action: (1.0 - self.lapse) * weight / total + self.lapse / len(asks)
-            for weight, (_, action) in zip(sane, asks, strict=True)
-        }
-
-    def _settle(self, mind: Mind) -> Mind:
-        """Return a mind after its request was fulfilled by the way it expects."""
-        belief, state = self.setting.belief, mind.state
-        way = belief.fulfilment_way(state, mind.request) if mind.request else None
-        for operator in way or ():
-            state = belief.task.successor(state, operator)
-        return Mind(state)
 
     def _weigh(self, likelihoods: Sequence[float]) -> None:
         for guess, likelihood in zip(self.guesses, likelihoods, strict=True):
@@ -212,9 +194,9 @@ class PersonFilter:
         for guess in self.guesses:
             spent += guess.weight * number
             while mark < spent and len(kept) < number:
-                kept.append(Guess(guess.participant, guess.mind, 1.0 / number, guess.regret))
+                kept.append(Guess(guess.participant, guess.thought, 1.0 / number, guess.regret))
                 mark += 1.0
         while len(kept) < number:  # rounding
             last = self.guesses[-1]
-            kept.append(Guess(last.participant, last.mind, 1.0 / number, last.regret))
+            kept.append(Guess(last.participant, last.thought, 1.0 / number, last.regret))
         self.guesses = kept
