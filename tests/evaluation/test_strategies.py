@@ -1,18 +1,21 @@
 import numpy as np
 import pytest
 
-from explicable.evaluation.replanning import ExplicablePlanner, Prices, _LabelledGame
+from explicable.evaluation.replanning import ExplicablePlanner, LabelledGame, LearningPlanner, Prices
 from explicable.evaluation.strategies import play, strategies
 from explicable.execution import (
     Ending,
+    ScriptedPerson,
     SimulatedPerson,
     Situation,
     builtin_families,
     prepare,
+    run,
     simulate_study,
 )
 from explicable.first_response import builtin_maps, encode
 from explicable.labelling import Labeller
+from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
 from explicable.planning import HumanModel
@@ -78,7 +81,7 @@ def test_what_was_announced_is_kept_if_change_is_dear_and_only_then(labeller):
         problem = encode(world, "exclusive")
         setting = prepare(problem)
         start = setting.truth.task.initial_state
-        game = _LabelledGame(TeamFeatures(ground_team(problem)), labeller)
+        game = LabelledGame(TeamFeatures(ground_team(problem)), labeller)
         game.move_to(())
         best = ExplicablePlanner(labeller, improve_s=None)(Situation(problem, (), (), start)).actions
         for name in ("nearest", "ff"):
@@ -101,7 +104,35 @@ def test_the_objective_is_that_of_the_labelled_plan_given_the_past(labeller):
     labelled = labeller.label(ground_team(problem), plan)
     expected = sum(1 - p for p, robot in zip(labelled.probabilities, labelled.is_robot, strict=True) if robot)
     for cut in (0, 1, 5, len(plan)):
-        game = _LabelledGame(TeamFeatures(ground_team(problem)), labeller)
+        game = LabelledGame(TeamFeatures(ground_team(problem)), labeller)
         game.move_to(plan[: cut // 2])
         game.move_to(plan[:cut])
         assert game.objective(plan[cut:], 2.0) == pytest.approx(len(plan) - cut + 2 * expected)
+
+
+@pytest.mark.parametrize(("answer", "adapts"), [(True, False), (None, False), (False, True)])
+def test_the_labeller_is_adapted_where_an_answer_surprises_it_and_only_there(answer, adapts):
+    problem = encode(builtin_maps("test")["test-01"], "persistent")
+    setting = prepare(problem)
+    # Knows nothing, so that every step is as likely to be explicable as not; which is no objection.
+    zero = ConditionalRandomField.from_weights((True, False), ["step: move"], [[0, 0]], [[0, 0], [0, 0]])
+    ignorant = Labeller(zero, schemas=["move"])
+    planner = LearningPlanner(ExplicablePlanner(ignorant, improve_s=None))
+    plan = planner(Situation(problem, (), (), setting.truth.task.initial_state)).actions
+    script = [action for action in plan if problem.agent_of(action).kind == "human"]
+    courses = []
+
+    def watch(course):
+        planner.see(course)
+        courses.append(course)
+
+    run(setting, planner, ScriptedPerson(setting, script, lambda _: answer), watch=watch)
+    planner(courses[-1].situation)
+    assert (planner.planner.judge is not None) == adapts
+    if adapts:
+        features = TeamFeatures(ground_team(problem))
+        before, after = (
+            labeller.label(features, courses[-1].situation.past).scores.f_robot_expected
+            for labeller in (ignorant, planner.planner.judge)
+        )
+        assert after < before

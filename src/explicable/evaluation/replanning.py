@@ -76,7 +76,7 @@ class Grounding:
     def __init__(self, labeller: Labeller) -> None:
         self.labeller = labeller
         self._last: TeamFeatures | None = None
-        self._game: _LabelledGame | None = None
+        self._game: LabelledGame | None = None
 
     def __call__(self, problem: TeamProblem) -> TeamFeatures:
         """Return the features of the steps of a problem's plans."""
@@ -84,13 +84,13 @@ class Grounding:
             self._last = TeamFeatures(ground_team(problem))
         return self._last
 
-    def game(self, problem: TeamProblem, labeller: Labeller) -> "_LabelledGame":
+    def game(self, problem: TeamProblem, labeller: Labeller) -> "LabelledGame":
         """Return a game as a labeller sees it."""
         features = self(problem)
         if labeller is not self.labeller:
-            return _LabelledGame(features, labeller)
+            return LabelledGame(features, labeller)
         if self._game is None or self._game.features is not features:
-            self._game = _LabelledGame(features, labeller)
+            self._game = LabelledGame(features, labeller)
         return copy(self._game)
 
 
@@ -104,7 +104,7 @@ class ExplicablePlanner:
     Parameters
     ----------
     labeller
-        What the person finds explicable; may be replaced during a game.
+        What people find explicable: plans are sought by it.
     prices
         Of the parts of the objective.
     foresight
@@ -118,6 +118,11 @@ class ExplicablePlanner:
         never depend on the machine.
     grounding
         Shared by planners whose games are on the same map.
+
+    Attributes
+    ----------
+    judge
+        What this person finds explicable, if more is known of that: the plans found are chosen from by it.
     """
 
     def __init__(
@@ -135,30 +140,41 @@ class ExplicablePlanner:
         self.foresight, self.human_model = foresight, human_model
         self.max_evaluations, self.improve_s = max_evaluations, improve_s
         self.grounding = grounding or Grounding(labeller)
-        self._game: _LabelledGame | None = None
+        self.judge: Labeller | None = None
+        self._game: LabelledGame | None = None
+        self._judged: LabelledGame | None = None
 
     def __call__(self, situation: Situation) -> Proposal:
         """Plan from here on."""
-        game = self._game
-        if game is None or game.problem is not situation.problem or game.labeller is not self.labeller:
-            game = self._game = self.grounding.game(situation.problem, self.labeller)
-        game.move_to(situation.past)
+        game = self.game(situation)
         first = self._search(game)
         if first.operators is None:
             return Proposal(first.outcome)
         chances = self._chances(game, situation)
         plans = dict.fromkeys(self._alternatives(game, situation.announced, first, chances))
+        judged = self._judged = self._at(situation, self.judge, self._judged) if self.judge else game
 
         def price(plan: Actions) -> float:
             prices = self.prices
             changed = prices.beta * num_changes(situation.announced, plan)
             asked = next((step for step in plan if step in game.requests), None)
             missed = prices.gamma * (1.0 - chances.get(asked, 0.0)) if chances and asked else 0.0
-            return game.objective(plan, prices.alpha) + changed + missed
+            return judged.objective(plan, prices.alpha) + changed + missed
 
         return Proposal(Outcome.SOLVED, min(plans, key=price))
 
-    def _chances(self, game: "_LabelledGame", situation: Situation) -> Mapping[GroundAtom, float]:
+    def game(self, situation: Situation) -> "LabelledGame":
+        """Return the game as the labeller sees it, where it now stands."""
+        self._game = self._at(situation, self.labeller, self._game)
+        return self._game
+
+    def _at(self, situation: Situation, labeller: Labeller, game: "LabelledGame | None") -> "LabelledGame":
+        if game is None or game.problem is not situation.problem or game.labeller is not labeller:
+            game = self.grounding.game(situation.problem, labeller)
+        game.move_to(situation.past)
+        return game
+
+    def _chances(self, game: "LabelledGame", situation: Situation) -> Mapping[GroundAtom, float]:
         """Return how probable each next request is; empty: nothing is foreseen."""
         if self.foresight is not None:
             return self.foresight.predict()
@@ -168,7 +184,7 @@ class ExplicablePlanner:
 
     def _alternatives(
         self,
-        game: "_LabelledGame",
+        game: "LabelledGame",
         announced: Actions,
         first: SearchResult,
         chances: Mapping[GroundAtom, float],
@@ -186,7 +202,7 @@ class ExplicablePlanner:
             if asked and rest and rest.operators is not None:
                 yield (request, *asked.actions(rest))
 
-    def _search(self, game: "_LabelledGame", first: SearchResult | None = None) -> SearchResult:
+    def _search(self, game: "LabelledGame", first: SearchResult | None = None) -> SearchResult:
         """Search for the plan of Eq. 4, or improve it with what it has left of the budget."""
         key = first is not None, game.state, game.context
         if key in game.searched:
@@ -209,13 +225,14 @@ class ExplicablePlanner:
 class LearningPlanner:
     """An explicable planner that learns the person while working; give `see` to `run` as ``watch``.
 
-    Before each plan it adapts the labeller to the answers given so far (`explicable.execution.adapt`), always
-    from the same start: nothing builds up. What the person will ask for next it takes from a filter.
+    When an answer was not what the labeller held for likely, it adapts the labeller to the answers given so
+    far (`explicable.execution.adapt`), always from the same start: nothing builds up. It chooses by that
+    between plans that are sought as for anybody. What the person will ask for next it takes from a filter.
 
     Parameters
     ----------
     planner
-        Its labeller and its foresight are replaced.
+        Its judge and its foresight are replaced.
     person
         The filter; None: no foresight.
     adapts
@@ -226,30 +243,31 @@ class LearningPlanner:
         self, planner: ExplicablePlanner, person: PersonFilter | None = None, *, adapts: bool = True
     ) -> None:
         self.planner, self.person, self.adapts = planner, person, adapts
-        self._labeller = planner.labeller
         self._answers: dict[int, bool | None] = {}
-        self._num_steps = 0
+        self._num_steps = self._num_heeded = 0
         planner.foresight = person
 
     def see(self, course: Course) -> None:
         """Take in what has happened."""
         self._num_steps = len(course.steps)
-        if course.occurrences[-1].event is Event.ANSWER_GIVEN:
-            self._answers = dict(enumerate(step.is_explicable for step in course.steps))
+        if self.adapts and course.occurrences[-1].event is Event.ANSWER_GIVEN:
+            self._answers[self._num_steps - 1] = course.steps[-1].is_explicable
         if self.person is not None:
             self.person.see(course)
 
     def __call__(self, situation: Situation) -> Proposal:
         """Plan from here on."""
-        if self.adapts and any(answer is not None for answer in self._answers.values()):
-            features = self.planner.grounding(situation.problem)
-            since = self._num_steps - len(situation.past)
-            answers = [self._answers.get(since + number) for number in range(len(situation.past))]
-            self.planner.labeller = adapt(self._labeller, features, situation.past, answers)
+        since = self._num_steps - len(situation.past)
+        answers = [self._answers.get(number) for number in range(since, self._num_steps)]
+        game = self.planner.game(situation)
+        news = range(max(self._num_heeded - since, 0), len(answers))
+        if any(answers[number] == game.seems_inexplicable(number) for number in news):
+            self.planner.judge = adapt(self.planner.labeller, game.features, situation.past, answers)
+        self._num_heeded = self._num_steps
         return self.planner(situation)
 
 
-class _LabelledGame:
+class LabelledGame:
     """A game as a labeller sees it: where it stands, and what the scorer keeps of the past.
 
     What was found out from some state after some past holds in the next games on the same map, too.
@@ -262,20 +280,33 @@ class _LabelledGame:
         self.scorer = labeller.scorer(features)
         self.searched: dict[tuple[bool, State, bytes], SearchResult] = {}
         self._objectives: dict[tuple[State, bytes, Actions, float], float] = {}
+        self._begin()
+
+    def _begin(self) -> None:
         self.past: Actions = ()
         self.state = self.task.initial_state
         self.context = self.scorer.root(self.state)
+        self._passed = [(self.context, self.state)]
 
     def move_to(self, past: Actions) -> None:
         """Take the steps that are new since the last time; begin again if the past is another."""
         if past[: len(self.past)] != self.past:
-            self.past, self.state = (), self.task.initial_state
-            self.context = self.scorer.root(self.state)
+            self._begin()
+        if len(past) == len(self.past):
+            return
         execution = self.task.execute(past[len(self.past) :], self.state)
-        self.context = self._extend(execution)
-        self.past, self.state = past, execution.states[-1]
+        contexts = list(self._contexts(execution))
+        self._passed = [*self._passed, *zip(contexts, execution.states[1:], strict=True)]
+        self.past, self.context, self.state = past, contexts[-1], execution.states[-1]
 
-    def after(self, action: GroundAtom) -> "_LabelledGame | None":
+    def seems_inexplicable(self, number: int) -> bool:
+        """Tell whether a step of the past looked inexplicable, rather than not, when it was done."""
+        before, after = (
+            self.scorer.score(context, state, [])[0] for context, state in self._passed[number : number + 2]
+        )
+        return after - before > 0.5
+
+    def after(self, action: GroundAtom) -> "LabelledGame | None":
         """Return the game after one more step, or None if that is not possible."""
         if not any(self.task.is_applicable(self.state, o) for o in self.task.operators_of(action)):
             return None
@@ -288,7 +319,8 @@ class _LabelledGame:
         key = self.state, self.context, plan, alpha
         if key not in self._objectives:
             execution = self.task.execute(plan, self.state)
-            count, _, _ = self.scorer.score(self._extend(execution), execution.states[-1], [])
+            *_, context = (self.context, *self._contexts(execution))
+            count, _, _ = self.scorer.score(context, execution.states[-1], [])
             remember(self._objectives, key, execution.cost + alpha * count, _MOST_REMEMBERED)
         return self._objectives[key]
 
@@ -296,8 +328,9 @@ class _LabelledGame:
         """Return the plan that a search has found."""
         return tuple(map(self.task.action, result.operators or ()))
 
-    def _extend(self, execution: Execution) -> bytes:
+    def _contexts(self, execution: Execution) -> Iterator[bytes]:
+        """Yield what the scorer keeps of the past after each step of an execution from here on."""
         context = self.context
         for operator, (before, after) in zip(execution.operators, pairwise(execution.states), strict=True):
             context = self.scorer.extend(context, operator, before, after)
-        return context
+            yield context
