@@ -3,7 +3,6 @@
 import functools
 import math
 import os
-import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from explicable.planning import Telling
 
 INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
-_ADDRESSABLE = 1 << 62  # bytes: more is no limit at all
 
 
 class OutputPath(click.Path):
@@ -59,25 +57,6 @@ class FiniteRange(click.FloatRange):
         if not math.isfinite(number):
             self.fail(f"{value!r} is not a finite number", param, ctx)
         return number
-
-
-class MemorySize(click.ParamType[int]):
-    """Bytes, or a number with a unit: ``1GiB``, ``1.5 GB``, ``512m``."""
-
-    name = "size"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        """Return the number of bytes."""
-        found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kmgt]?)(i?)b?\s*", str(value).lower())
-        if not found or (found[3] and not found[2]):
-            self.fail(f"{value!r} is no amount of memory such as 1GiB, 512MiB or 2GB", param, ctx)
-        if len(found[1]) > 300:
-            self.fail("so much memory there is not", param, ctx)
-        unit = 1024 if found[3] or not str(value).lower().rstrip().endswith("b") else 1000
-        return min(int(float(found[1]) * unit ** " kmgt".index(found[2] or " ")), _ADDRESSABLE)
-
-
-MEMORY_SIZE = MemorySize()
 
 
 def team_problem_arguments(command: Callable[..., Any]) -> Callable[..., Any]:
