@@ -11,7 +11,6 @@ import click
 from explicable.cli.files import FiniteRange
 from explicable.errors import ResourceError
 
-
 _ADDRESSABLE = 1 << 62  # bytes: more is no limit at all
 
 
