@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from explicable.errors import UsageError
-from explicable.first_response.generator import builtin_maps, generate, generate_builtin
+from explicable.first_response.builtin import builtin_maps, generate_builtin
+from explicable.first_response.generator import generate
 from explicable.first_response.map_file import format_map, parse_map
 from explicable.first_response.world import distances
 

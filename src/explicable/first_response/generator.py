@@ -1,15 +1,13 @@
-"""Maps made by chance, after those of the study behind the paper; and the maps that come with the package."""
+"""Maps made by chance, after those of the study behind the paper."""
 
 import heapq
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from importlib import resources
 from itertools import pairwise
 from math import inf
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from explicable.errors import MapError, UsageError
-from explicable.first_response.map_file import parse_map
 from explicable.first_response.world import (
     FLOOR,
     HIDDEN,
@@ -40,9 +38,6 @@ MISLEADING_SHARE = 0.4
 """Of the ways between two stops (robots, rooms), at least so many are longer in truth than they look ..."""
 MISLEADING_CELLS = 4000
 """... unless no map among so many cells is like that, as in corridors: 111 maps of the study's size."""
-
-BUILTIN_SEEDS = {"training": range(1, 17), "test": range(101, 105)}
-"""The seed of each map that comes with the package, in the order of the maps' numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,44 +122,6 @@ def generate(
             f"found no map of {height} by {width} cells that holds these counts with all rooms in reach"
         )
     return _add_border(world) if border else world
-
-
-def builtin_maps(kind: Literal["training", "test"] = "training") -> dict[str, World]:
-    """Return the maps that come with the package, 16 for training or 4 for tests, by name.
-
-    Raises
-    ------
-    UsageError
-        Unknown kind.
-
-    Examples
-    --------
-    >>> list(builtin_maps("test"))
-    ['test-01', 'test-02', 'test-03', 'test-04']
-    """
-    if kind not in BUILTIN_SEEDS:
-        raise UsageError(f"built-in maps are for {' or '.join(BUILTIN_SEEDS)}, not {kind!r}")
-    folder = resources.files("explicable.first_response") / "maps"
-    names = [f"{kind}-{number:02}" for number in range(1, len(BUILTIN_SEEDS[kind]) + 1)]
-    return {name: parse_map((folder / f"{name}.map").read_text("utf-8"), f"{name}.map") for name in names}
-
-
-def generate_builtin(kind: Literal["training", "test"]) -> dict[str, World]:
-    """Make the maps that come with the package anew from their recorded seeds.
-
-    Examples
-    --------
-    >>> generate_builtin("test") == builtin_maps("test")
-    True
-    """
-    import numpy as np
-
-    worlds = {}
-    for number, seed in enumerate(BUILTIN_SEEDS[kind], 1):
-        name = f"{kind}-{number:02}"
-        world = generate(np.random.default_rng(seed))
-        worlds[name] = World(world.rows, {"name": name, "seed": str(seed)})
-    return worlds
 
 
 def _draw_map(rng: "np.random.Generator", order: _Order) -> World | None:
