@@ -15,8 +15,9 @@ from explicable.errors import UsageError
 from explicable.labelling import Labeller
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
+from explicable.labelling.minimising import minimise
 from explicable.labelling.sequences import FeatureEncoder, encode_labels
-from explicable.labelling.training import minimise, sequence_loss
+from explicable.labelling.training import sequence_loss
 from explicable.model.problem import GroundAtom
 
 if TYPE_CHECKING:

@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from explicable import _core
 from explicable.errors import UsageError
+from explicable.labelling.minimising import minimise
 from explicable.labelling.sequences import EncodedSequences, FeatureEncoder, Features
-from explicable.labelling.training import check_sample_weight, minimise
+from explicable.labelling.training import check_sample_weight
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from explicable import _core
 from explicable.errors import UsageError
+from explicable.labelling.minimising import Optimum
 from explicable.labelling.sequences import (
     EncodedSequences,
     FeatureEncoder,
@@ -15,7 +16,6 @@ from explicable.labelling.sequences import (
     encode_labels,
 )
 from explicable.labelling.training import (
-    Optimum,
     Training,
     check_classes,
     check_sample_weight,
