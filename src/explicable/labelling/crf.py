@@ -264,6 +264,11 @@ class ConditionalRandomField:
         list of ndarray
             Entry ``k`` is the probability that ``k`` positions have another label.
 
+        Raises
+        ------
+        UsageError
+            If there is no such label, or not one flag for each position.
+
         Examples
         --------
         >>> crf = ConditionalRandomField.from_weights("ab", ["near"], [[0, 0]], [[0, 0], [0, 0]])
@@ -274,13 +279,11 @@ class ConditionalRandomField:
         if empty_id is None:
             raise UsageError(f"label {empty!r} is none of {list(self.classes_)}")
         chains = list(self._chains(X, clamp))
-        flags = [_ALL_COUNTED] * len(chains) if counted is None else [_flags(row) for row in counted]
-        if len(flags) != len(chains) or any(
-            len(row) != len(state)
-            for row, (state, _) in zip(flags, chains, strict=True)
-            if counted is not None
-        ):
-            raise UsageError("`counted` needs one flag for each position of each sequence")
+        flags = [_ALL_COUNTED] * len(chains)
+        if counted is not None:
+            flags = [_flags(row) for row in counted]
+            if [len(row) for row in flags] != [len(state) for state, _ in chains]:
+                raise UsageError("`counted` needs one flag for each position of each sequence")
         return [
             _core.count_distribution(state, self.transition_weights_, clamped, empty_id, row)
             for (state, clamped), row in zip(chains, flags, strict=True)
