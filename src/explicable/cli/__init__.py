@@ -51,7 +51,7 @@ COMMANDS = {
     "traces": "explicable.cli.traces",
     "evaluate": "explicable.cli.evaluate",
     "play": "explicable.cli.game",
-    "replay": "explicable.cli.game",
+    "replay": "explicable.cli.replay",
     "first-response": "explicable.cli.first_response",
     "study": "explicable.cli.study",
 }

@@ -7,11 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from explicable.cli.files import (
-    INPUT_FILE,
-    OUTPUT_FILE,
-    FiniteRange,
-)
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange
 from explicable.cli.outcomes import json_option
 from explicable.cli.printing import echo, warn
 from explicable.cli.progress import is_watched
