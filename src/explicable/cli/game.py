@@ -116,8 +116,8 @@ def _sum_up(played: "Run") -> str:
     trace = played.episode.trace
     labels = [step.is_explicable for step in trace.steps if step.label is not None]
     return (
-        f"{played.episode.ending.value}: {len(trace.steps)} steps; {labels.count(False)} of {len(labels)} made"
-        f" no sense to {trace.annotator}, who did otherwise than predicted {played.num_deviations} times"
+        f"{played.episode.ending.value}: {len(trace.steps)} steps; {labels.count(False)} of {len(labels)}"
+        f" made no sense to {trace.annotator}, who did otherwise than predicted {played.num_deviations} times"
     )
 
 
