@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "search/prepared_task.hpp"
+#include "search/way_finder.hpp"
 #include "task/packed_state.hpp"
 #include "task/task.hpp"
 #include "task/task_index.hpp"
@@ -12,12 +13,13 @@
 namespace explicable {
 
 struct CoreTask : Task {
-    explicit CoreTask(Task&& task) : Task(std::move(task)), packer(*this), index(*this), prepared(*this) {}
+    explicit CoreTask(Task&& task) : Task(std::move(task)), packer(*this), index(*this), prepared(*this), ways(prepared, packer) {}
     CoreTask(const CoreTask&) = delete;
 
     StatePacker packer;
     TaskIndex index;
     PreparedTask prepared;
+    mutable WayFinder ways;
 };
 
 }  // namespace explicable

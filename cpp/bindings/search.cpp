@@ -139,16 +139,12 @@ std::optional<Way> cheapest_way(const CoreTask& task, const nb::bytes& from, con
     Limits limits;
     limits.evaluations = max_evaluations;
     limits.memory_bytes = memory_limit_bytes;
-    SearchOptions options;
-    options.algorithm = "astar";
-    options.heuristic = "tour";
     const auto answer = [&] {
         const nb::gil_scoped_release released;
-        Monitor monitor(limits, {});
-        return solve(question, options, monitor);
+        return task.ways.find(question, limits);
     }();
-    if (answer.outcome == Outcome::unsolvable) return Way{};
-    if (answer.outcome != Outcome::solved) return std::nullopt;
+    if (!answer.is_known) return std::nullopt;
+    if (!answer.plan) return Way{};
     std::vector<Word> words(task.packer.num_words()), next(words.size());
     task.packer.pack(question.initial, words.data());
     Way way;

@@ -179,6 +179,16 @@ bool holds(const CoreTask& task, const nb::bytes& state, const Ints& facts) {
                        [&](FactId fact) { return task.packer.holds(words.data(), check_fact(task, fact)); });
 }
 
+nb::bytes follow(const CoreTask& task, const nb::bytes& state, const std::vector<OperatorId>& operators) {
+    auto from = to_words(task, state);
+    std::vector<Word> to(from.size());
+    for (const OperatorId op : operators) {
+        apply(task, task.packer, check_operator(task, op), from.data(), to.data());
+        std::swap(from, to);
+    }
+    return to_bytes(from);
+}
+
 nb::bytes successor(const CoreTask& task, const nb::bytes& state, OperatorId op) {
     const auto from = to_words(task, state);
     std::vector<Word> to(from.size());
@@ -286,6 +296,7 @@ void bind_task(nb::module_& module) {
     task.def("true_facts", &true_facts, "state"_a);
     task.def("holds", &holds, "state"_a, "facts"_a);
     task.def("successor", &successor, "state"_a, "operator"_a);
+    task.def("follow", &follow, "state"_a, "operators"_a);
     task.def("is_applicable", [](const CoreTask& t, const nb::bytes& state, OperatorId op) {
         return t.index.is_applicable(t.packer, to_words(t, state).data(), check_operator(t, op));
     }, "state"_a, "operator"_a);

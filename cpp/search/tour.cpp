@@ -15,20 +15,9 @@ bool contains(std::span<const FactId> facts, FactId fact) {
 
 }  // namespace
 
-TourHeuristic::TourHeuristic(const Question& question)
-    : question_(question), achievers_(question.prepared.achievers()), is_charged_(question.task.num_operators(), 0) {
-    find_possible();
-    choose_mover();
-    if (mover_ == none) return;
-    measure_distances();
-    plan_tours();
-    list_parts();
-}
-
-// By the delete relaxation from the question's state. What can't change there, such as a way that is blocked, closes operators.
-void TourHeuristic::find_possible() {
-    const Task& task = question_.task;
-    std::vector<char> reached(task.num_facts(), 0);
+std::vector<char> find_possible(const PreparedTask& prepared, const State& state) {
+    const Task& task = prepared.task();
+    std::vector<char> possible(task.num_operators(), 0), reached(task.num_facts(), 0);
     std::vector<FactId> stack;
     const auto reach = [&](FactId fact) {
         if (reached[fact]) return;
@@ -36,14 +25,13 @@ void TourHeuristic::find_possible() {
         stack.push_back(fact);
     };
     for (VariableId variable = 0; variable < task.num_variables(); ++variable) {
-        if (const auto value = question_.initial.values[variable]) reach(task.variable_facts[variable][value - 1]);
+        if (const auto value = state.values[variable]) reach(task.variable_facts[variable][value - 1]);
     }
     // Conditions of effects are left out: that only makes more possible.
-    const auto& needing = question_.prepared.needing();
-    possible_.assign(task.num_operators(), 0);
+    const auto& needing = prepared.needing();
     std::vector<std::int32_t> missing(task.num_operators());
     const auto execute = [&](OperatorId id) {
-        possible_[id] = 1;
+        possible[id] = 1;
         for (const FactId fact : task.adds[id]) reach(fact);
         for (auto effect = task.effect_offsets[id]; effect < task.effect_offsets[id + 1]; ++effect) {
             for (const FactId fact : task.effect_adds[effect]) reach(fact);
@@ -60,36 +48,47 @@ void TourHeuristic::find_possible() {
             if (--missing[id] == 0) execute(id);
         }
     }
+    return possible;
 }
 
-std::vector<OperatorId> TourHeuristic::achievers_of(FactId fact) const {
+Tour::Tour(const Question& question, const std::vector<char>& possible)
+    : task_(question.task), achievers_(question.prepared.achievers()), possible_(&possible), is_charged_(task_.num_operators(), 0) {
+    choose_mover(question);
+    if (mover_ != none) {
+        measure_distances();
+        plan_tours();
+        list_parts(question.goal);
+    }
+    possible_ = nullptr;
+    is_charged_ = {};
+}
+
+std::vector<OperatorId> Tour::achievers_of(FactId fact) const {
     std::vector<OperatorId> found;
     for (const OperatorId id : achievers_[fact]) {
-        if (possible_[id] && (found.empty() || found.back() != id)) found.push_back(id);
+        if ((*possible_)[id] && (found.empty() || found.back() != id)) found.push_back(id);
     }
     return found;
 }
 
-bool TourHeuristic::moves(OperatorId id, VariableId variable) const {
-    const Task& task = question_.task;
+bool Tour::moves(OperatorId id, VariableId variable) const {
     const auto touches = [&](std::span<const FactId> facts) {
-        return std::any_of(facts.begin(), facts.end(), [&](FactId f) { return task.fact_variable[f] == variable; });
+        return std::any_of(facts.begin(), facts.end(), [&](FactId f) { return task_.fact_variable[f] == variable; });
     };
-    if (touches(task.adds[id]) || touches(task.deletes[id])) return true;
-    for (auto effect = task.effect_offsets[id]; effect < task.effect_offsets[id + 1]; ++effect) {
-        if (touches(task.effect_adds[effect]) || touches(task.effect_deletes[effect])) return true;
+    if (touches(task_.adds[id]) || touches(task_.deletes[id])) return true;
+    for (auto effect = task_.effect_offsets[id]; effect < task_.effect_offsets[id + 1]; ++effect) {
+        if (touches(task_.effect_adds[effect]) || touches(task_.effect_deletes[effect])) return true;
     }
     return false;
 }
 
-std::int32_t TourHeuristic::place_needed(FactId goal, VariableId variable) const {
-    const Task& task = question_.task;
-    if (task.fact_variable[goal] == variable) return task.fact_value[goal];
+std::int32_t Tour::place_needed(FactId goal, VariableId variable) const {
+    if (task_.fact_variable[goal] == variable) return task_.fact_value[goal];
     std::int32_t place = 0;
     for (const OperatorId id : achievers_of(goal)) {
         std::int32_t needed = 0;
-        for (const FactId fact : task.preconditions[id]) {
-            if (task.fact_variable[fact] == variable) needed = task.fact_value[fact];
+        for (const FactId fact : task_.preconditions[id]) {
+            if (task_.fact_variable[fact] == variable) needed = task_.fact_value[fact];
         }
         if (needed == 0 || (place != 0 && needed != place)) return 0;
         place = needed;
@@ -98,17 +97,16 @@ std::int32_t TourHeuristic::place_needed(FactId goal, VariableId variable) const
 }
 
 // The variable that has to be in most places.
-void TourHeuristic::choose_mover() {
-    const Task& task = question_.task;
+void Tour::choose_mover(const Question& question) {
     std::set<VariableId> candidates;
     std::vector<FactId> lacking;
-    for (const FactId goal : question_.goal) {
-        if (question_.initial.holds(task, goal)) continue;
+    for (const FactId goal : question.goal) {
+        if (question.initial.holds(task_, goal)) continue;
         lacking.push_back(goal);
-        candidates.insert(task.fact_variable[goal]);
+        candidates.insert(task_.fact_variable[goal]);
         const auto achievers = achievers_of(goal);
         if (achievers.empty()) continue;
-        for (const FactId fact : task.preconditions[achievers.front()]) candidates.insert(task.fact_variable[fact]);
+        for (const FactId fact : task_.preconditions[achievers.front()]) candidates.insert(task_.fact_variable[fact]);
     }
     for (const VariableId variable : candidates) {
         std::vector<std::int32_t> places;
@@ -125,22 +123,21 @@ void TourHeuristic::choose_mover() {
 }
 
 // Backwards from each stop, by Dijkstra's algorithm. Operators that move the mover are charged for here.
-void TourHeuristic::measure_distances() {
+void Tour::measure_distances() {
     struct Move {
         std::int32_t from;
         double cost;
     };
-    const Task& task = question_.task;
-    const std::int32_t num_values = static_cast<std::int32_t>(task.variable_facts[mover_].size()) + 1;
+    const std::int32_t num_values = static_cast<std::int32_t>(task_.variable_facts[mover_].size()) + 1;
     std::vector<std::vector<Move>> moves_to(num_values);
-    for (OperatorId id = 0; id < task.num_operators(); ++id) {
-        if (!possible_[id] || !moves(id, mover_)) continue;
+    for (OperatorId id = 0; id < task_.num_operators(); ++id) {
+        if (!(*possible_)[id] || !moves(id, mover_)) continue;
         is_charged_[id] = 1;
         std::int32_t from = -1;
-        for (const FactId fact : task.preconditions[id]) {
-            if (task.fact_variable[fact] == mover_) from = task.fact_value[fact];
+        for (const FactId fact : task_.preconditions[id]) {
+            if (task_.fact_variable[fact] == mover_) from = task_.fact_value[fact];
         }
-        const double cost = std::max(0, task.cost[id]);
+        const double cost = std::max(0, task_.cost[id]);
         const auto arrive = [&](std::int32_t to) {
             if (from >= 0) {
                 moves_to[to].push_back({from, cost});
@@ -151,15 +148,15 @@ void TourHeuristic::measure_distances() {
         bool lands = false;
         const auto land = [&](std::span<const FactId> facts) {
             for (const FactId fact : facts) {
-                if (task.fact_variable[fact] != mover_) continue;
+                if (task_.fact_variable[fact] != mover_) continue;
                 lands = true;
-                arrive(task.fact_value[fact]);
+                arrive(task_.fact_value[fact]);
             }
         };
-        land(task.adds[id]);
+        land(task_.adds[id]);
         const bool lands_for_certain = lands;
-        for (auto effect = task.effect_offsets[id]; effect < task.effect_offsets[id + 1]; ++effect) {
-            land(task.effect_adds[effect]);
+        for (auto effect = task_.effect_offsets[id]; effect < task_.effect_offsets[id + 1]; ++effect) {
+            land(task_.effect_adds[effect]);
         }
         if (!lands_for_certain) arrive(0);
     }
@@ -183,7 +180,7 @@ void TourHeuristic::measure_distances() {
 }
 
 // Held & Karp: a tour that begins at one stop of a set is that one, and a tour of the others.
-void TourHeuristic::plan_tours() {
+void Tour::plan_tours() {
     const std::size_t num_stops = stops_.size();
     tour_.assign((std::size_t{1} << num_stops) * num_stops, dead_end);
     for (std::size_t set = 1; set < std::size_t{1} << num_stops; ++set) {
@@ -202,47 +199,45 @@ void TourHeuristic::plan_tours() {
 }
 
 // What lacks and is needed in any case, as long as no operator is charged for two of them.
-void TourHeuristic::list_parts() {
-    const Task& task = question_.task;
-    for (const FactId goal : question_.goal) {
+void Tour::list_parts(const std::vector<FactId>& goals) {
+    for (const FactId goal : goals) {
         Part part{goal, {}, -1};
         const auto stop = std::find(stops_.begin(), stops_.end(), place_needed(goal, mover_));
         if (stop != stops_.end()) part.stop = static_cast<int>(stop - stops_.begin());
         const auto achievers = achievers_of(goal);
         charge(goal, part.needs);
         if (!achievers.empty()) {
-            for (const FactId fact : task.preconditions[achievers.front()]) {
+            for (const FactId fact : task_.preconditions[achievers.front()]) {
                 const bool by_all = std::all_of(achievers.begin(), achievers.end(), [&](OperatorId id) {
-                    return contains(task.preconditions[id], fact);
+                    return contains(task_.preconditions[id], fact);
                 });
-                if (by_all && task.fact_variable[fact] != mover_) charge(fact, part.needs);
+                if (by_all && task_.fact_variable[fact] != mover_) charge(fact, part.needs);
             }
         }
         parts_.push_back(std::move(part));
     }
 }
 
-bool TourHeuristic::charge(FactId fact, std::vector<Need>& needs) {
+bool Tour::charge(FactId fact, std::vector<Need>& needs) {
     const auto achievers = achievers_of(fact);
     double cheapest = dead_end;
     for (const OperatorId id : achievers) {
         if (is_charged_[id]) return false;
-        cheapest = std::min(cheapest, static_cast<double>(std::max(0, question_.task.cost[id])));
+        cheapest = std::min(cheapest, static_cast<double>(std::max(0, task_.cost[id])));
     }
     for (const OperatorId id : achievers) is_charged_[id] = 1;
     needs.push_back({fact, cheapest});
     return true;
 }
 
-double TourHeuristic::evaluate(const State& state) {
-    const Task& task = question_.task;
+double Tour::cost(const State& state) const {
     double sum = 0.0;
     std::size_t left = 0;
     for (const Part& part : parts_) {
-        if (state.holds(task, part.goal)) continue;
+        if (state.holds(task_, part.goal)) continue;
         if (part.stop >= 0) left |= std::size_t{1} << part.stop;
         for (const Need& need : part.needs) {
-            if (!state.holds(task, need.fact)) sum += need.cost;
+            if (!state.holds(task_, need.fact)) sum += need.cost;
         }
     }
     if (left == 0) return sum;
@@ -254,6 +249,13 @@ double TourHeuristic::evaluate(const State& state) {
         }
     }
     return sum + best;
+}
+
+std::size_t Tour::memory_bytes() const {
+    std::size_t bytes = sizeof(*this) + tour_.capacity() * sizeof(double) + parts_.capacity() * sizeof(Part);
+    for (const auto& row : distance_) bytes += row.capacity() * sizeof(double);
+    for (const Part& part : parts_) bytes += part.needs.capacity() * sizeof(Need);
+    return bytes;
 }
 
 }  // namespace explicable

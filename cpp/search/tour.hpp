@@ -1,24 +1,31 @@
 // A lower bound for goals that lie in many places of one variable: the shortest tour of them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "search/heuristics.hpp"
 
 namespace explicable {
 
+// Which operators can ever be executed from a state on, by the delete relaxation, for each whether it can. What can't change, such
+// as a way that is blocked, closes operators.
+std::vector<char> find_possible(const PreparedTask& prepared, const State& state);
+
 // Let one variable move, a robot's place say, and forget all else that its moves need. Where everything that achieves a goal
 // needs one value of it, that value has to be visited: what all visits cost together is a travelling-salesman path
 // without return (Held & Karp 1962) over distances in the variable's transition graph. On top of that, each fact that is
 // still lacking and needed in any case costs the cheapest operator that adds it; no operator is charged for twice.
 // Exact where other facts of the task hold no move up, as on a floor plan that one robot searches.
-class TourHeuristic : public AdmissibleHeuristic {
+class Tour {
 public:
-    explicit TourHeuristic(const Question& question);
-    double evaluate(const State& state) override;
-    bool has_tour() const { return !stops_.empty(); }
+    // Of the question's state it matters alone which goals hold there, and what is possible from it on.
+    Tour(const Question& question, const std::vector<char>& possible);
+    bool exists() const { return !stops_.empty(); }
+    double cost(const State& state) const;
+    std::size_t memory_bytes() const;
 
 private:
     static constexpr std::size_t most_stops = 12;
@@ -34,25 +41,34 @@ private:
         int stop = -1;            // in the tour, if any
     };
 
-    const Question& question_;
+    const Task& task_;
     const Table<std::int32_t>& achievers_;
-    std::vector<char> possible_;        // operators whose preconditions can ever hold
-    std::vector<char> is_charged_;      // operators
     VariableId mover_ = none;
     std::vector<std::int32_t> stops_;   // values of the mover
     std::vector<std::vector<double>> distance_;  // [stop][value]: from the value to the stop
     std::vector<double> tour_;          // [set of stops * number of stops + first of them]: the rest of the tour
     std::vector<Part> parts_;
+    // While it is made:
+    const std::vector<char>* possible_;
+    std::vector<char> is_charged_;      // operators
 
-    void find_possible();
     std::vector<OperatorId> achievers_of(FactId fact) const;
     std::int32_t place_needed(FactId goal, VariableId variable) const;  // 0: none, or not one
     bool moves(OperatorId id, VariableId variable) const;
-    void choose_mover();
+    void choose_mover(const Question& question);
     void measure_distances();
     void plan_tours();
-    void list_parts();
+    void list_parts(const std::vector<FactId>& goals);
     bool charge(FactId fact, std::vector<Need>& needs);
+};
+
+class TourHeuristic : public AdmissibleHeuristic {
+public:
+    explicit TourHeuristic(Tour tour) : tour_(std::move(tour)) {}
+    double evaluate(const State& state) override { return tour_.cost(state); }
+
+private:
+    Tour tour_;
 };
 
 }  // namespace explicable

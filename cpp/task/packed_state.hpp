@@ -54,9 +54,12 @@ public:
     }
     State unpack(const Word* packed) const {
         State state;
+        unpack(packed, state);
+        return state;
+    }
+    void unpack(const Word* packed, State& state) const {
         state.values.resize(fields_.size());
         for (VariableId v = 0; v < static_cast<VariableId>(fields_.size()); ++v) state.values[v] = get(packed, v);
-        return state;
     }
 
 private:

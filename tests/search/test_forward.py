@@ -3,12 +3,14 @@
 import math
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tiny_strategies import tiny_tasks
 
 from explicable.errors import UsageError
+from explicable.first_response import encode, generate
 from explicable.model.grounding import ground
 from explicable.model.problem import ActionSchema, And, Atom, Domain, Effect, Predicate, Problem
 from explicable.search import Outcome, find_way, search
@@ -65,6 +67,20 @@ def test_a_way_is_the_plan_that_the_search_with_a_tour_finds(tiny):
         assert tuple(way.operators) == plan.operators
         assert tuple(way.states) == task.execute(map(task.action, plan.operators)).states
     assert plan.evaluations < 2 or find_way(task, task.initial_state, task.goal, max_evaluations=1) is None
+
+
+@pytest.mark.parametrize("semantics", ["persistent", "exclusive"])
+def test_ways_on_a_floor_plan_are_those_of_a_fresh_search_whatever_was_asked_before(semantics):
+    rng = np.random.default_rng(0)
+    task = ground(encode(generate(rng), semantics).composite)
+    state, goals = task.initial_state, [(fact,) for fact in range(task.num_facts)]
+    for _ in range(60):
+        state = task.successor(state, int(rng.choice(task.applicable(state))))
+        for goal in (task.goal, goals[rng.integers(len(goals))]):
+            plan = search(task, "astar", heuristic="tour", initial_state=state, goal=goal)
+            way = find_way(task, state, goal)
+            assert tuple(way.operators) == (plan.operators or ())
+            assert (plan.outcome is Outcome.SOLVED) == bool(way.states)
 
 
 @given(tiny_tasks(), st.frozensets(st.integers(0, 5), max_size=2))

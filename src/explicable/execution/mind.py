@@ -262,9 +262,7 @@ def _cost_to_see_through(belief: Outlook, participant: Participant, state: State
     """Return what it costs to let a request be fulfilled, and on a mission to finish after that."""
     cost = belief.fulfilment_cost(state, request)
     if participant.horizon == "mission" and cost < math.inf:
-        for operator in belief.fulfilment_way(state, request) or ():
-            state = belief.task.successor(state, operator)
-        cost += belief.mission_cost(state)
+        cost += belief.mission_cost(belief.fulfilled(state, request))
     return cost
 
 

@@ -53,6 +53,7 @@ class Outlook:
         self._stands: dict[tuple[State, frozenset[GroundAtom]], bool] = {}
         self._ranked: dict[State, tuple[tuple[float, int], ...]] = {}
         self._fulfilments: dict[tuple[State, GroundAtom], tuple[float, int, Goal]] = {}
+        self._fulfilled: dict[tuple[State, GroundAtom], State] = {}
         self._ends = {action: self._ends_of(request) for action, request in self.requests.items()}
         actions = [(operator, self.task.action(operator)) for operator in range(self.task.num_operators)]
         self._asks = [
@@ -178,6 +179,15 @@ class Outlook:
             return None
         first = self.ahead.first(self.stage.robots_alone(state), needs)
         return wanted if first is None else first
+
+    def fulfilled(self, state: State, request: Request) -> State:
+        """Return the state after `fulfilment_way`; as it is, if there is none."""
+        key = state, request.action
+        after = self._fulfilled.get(key)
+        if after is None:
+            after = self.task.follow(state, self.fulfilment_way(state, request) or ())
+            remember(self._fulfilled, key, after)
+        return after
 
     def mission_cost(self, state: State) -> float:
         """Return what it costs the team to reach its goal."""

@@ -120,12 +120,17 @@ class Task:
 
     def fact_number(self, atom: GroundAtom) -> int | None:
         """Return the number of a fact, or None if the atom never changes or is never true."""
-        predicate = self._predicate_numbers.get(atom[0]) if atom else None
-        numbers = self._numbers(atom[1:])
-        if predicate is None or numbers is None:
-            return None
-        fact = self.core.find_fact(predicate, numbers)
-        return fact if fact >= 0 else None
+        fact = self._facts.get(atom)
+        if fact is None:
+            predicate = self._predicate_numbers.get(atom[0]) if atom else None
+            numbers = self._numbers(atom[1:])
+            if predicate is None or numbers is None:
+                return None
+            fact = self.core.find_fact(predicate, numbers)
+            if fact < 0:
+                return None
+            self._facts[atom] = fact
+        return fact
 
     def applicable(self, state: State) -> list[int]:
         """Operators that a state allows, in order."""
@@ -138,6 +143,10 @@ class Task:
     def successor(self, state: State, operator: int) -> State:
         """Return the state after an operator, which must be applicable."""
         return State(self.core.successor(state, operator))
+
+    def follow(self, state: State, operators: Sequence[int]) -> State:
+        """Return the state after some operators, each of which must be applicable in its turn."""
+        return State(self.core.follow(state, operators))
 
     def is_goal(self, state: State) -> bool:
         """Whether the goal holds in a state."""
@@ -240,6 +249,11 @@ class Task:
     @cached_property
     def _operators(self) -> dict[GroundAtom, tuple[int, ...]]:
         """Of the actions that were asked about."""
+        return {}
+
+    @cached_property
+    def _facts(self) -> dict[GroundAtom, int]:
+        """Those that were asked about, by atom."""
         return {}
 
     def _numbers(self, names: Sequence[str]) -> list[int] | None:

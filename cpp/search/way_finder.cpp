@@ -1,0 +1,81 @@
+#include "search/way_finder.hpp"
+
+#include <string_view>
+#include <utility>
+
+#include "search/open_list.hpp"
+#include "search/solve.hpp"
+#include "task/successor.hpp"
+
+namespace explicable {
+
+WayFinder::Answer WayFinder::find(const Question& question, const Limits& limits) {
+    if (question.is_goal(question.initial)) return {true, std::vector<OperatorId>()};
+    const auto around = tour(question);
+    if (around->exists()) {
+        if (auto plan = descend(question, *around, limits.evaluations)) return {true, std::move(plan)};
+    }
+    SearchOptions options;
+    options.algorithm = "astar";
+    options.heuristic = "tour";
+    Monitor monitor(limits, {});
+    SearchAnswer answer = solve(question, options, monitor);
+    return {answer.outcome == Outcome::solved || answer.outcome == Outcome::unsolvable, std::move(answer.plan)};
+}
+
+// Two questions have the same tour if they ask for the same goals, of which the same hold, and the same operators are possible.
+std::shared_ptr<const Tour> WayFinder::tour(const Question& question) {
+    const auto possible = find_possible(prepared_, question.initial);
+    std::string key(possible.begin(), possible.end());
+    for (const FactId goal : question.goal) {
+        key.append(reinterpret_cast<const char*>(&goal), sizeof(goal));
+        key.push_back(static_cast<char>(question.initial.holds(question.task, goal)));
+    }
+    const std::lock_guard lock(mutex_);
+    if (const auto known = tours_.find(key); known != tours_.end()) return known->second;
+    auto made = std::make_shared<const Tour>(question, possible);
+    const std::size_t bytes = made->memory_bytes() + key.size();
+    if (bytes_ + bytes > most_bytes) {
+        tours_.clear();
+        bytes_ = 0;
+    }
+    bytes_ += bytes;
+    return tours_.emplace(std::move(key), std::move(made)).first->second;
+}
+
+// A* takes the node of least f, of those the one of least h, of those the one that came first. So it expands a successor of the
+// node that it has just expanded if that is as good in f and better in h: nothing that waits is. For as long as this holds the open
+// list is of no use. Gives up where it does not.
+std::optional<std::vector<OperatorId>> WayFinder::descend(const Question& question, const Tour& tour, std::int64_t max_evaluations) const {
+    std::vector<OperatorId> plan, applicable;
+    std::vector<Word> words(packer_.num_words()), next(words.size()), best_words(words.size());
+    packer_.pack(question.initial, words.data());
+    State state = question.initial;
+    double h = tour.cost(state);
+    std::int64_t evaluations = 1;
+    while (!question.is_goal(state)) {
+        question.successors.applicable(state, applicable);
+        evaluations += static_cast<std::int64_t>(applicable.size());
+        if (evaluations > max_evaluations) return std::nullopt;
+        Key best{h, h};  // f less what the path has cost, and h
+        OperatorId first = -1;
+        for (const OperatorId step : applicable) {
+            apply(question.task, packer_, step, words.data(), next.data());
+            packer_.unpack(next.data(), state);
+            const double ahead = tour.cost(state);
+            const Key key{question.task.cost[step] + ahead, ahead};
+            if (key >= best) continue;
+            best = key;
+            first = step;
+            best_words = next;
+        }
+        if (first < 0 || best.first < h) return std::nullopt;
+        plan.push_back(first);
+        h = best.second;
+        std::swap(words, best_words);
+        packer_.unpack(words.data(), state);
+    }
+    return plan;
+}
+
+}  // namespace explicable
