@@ -109,8 +109,15 @@ def aggregate(
     max_iterations, tolerance
         Stop after so many rounds, or when the log-likelihood gains less than this fraction.
 
-    Notes ----- Dawid & Skene, *Maximum Likelihood Estimation of Observer Error-Rates Using the EM Algorithm*,
-    1979. Starts at the shares of votes; deterministic.
+    Raises
+    ------
+    UsageError
+        If there is no rating, or a parameter is out of range.
+
+    Notes
+    -----
+    Dawid & Skene, *Maximum Likelihood Estimation of Observer Error-Rates Using the EM Algorithm*, 1979. Starts
+    at the shares of votes; deterministic.
 
     Examples
     --------
