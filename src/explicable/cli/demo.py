@@ -8,6 +8,7 @@ import click
 
 from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER
 from explicable.cli.printing import echo
+from explicable.cli.progress import counting
 from explicable.cli.trace_files import naming_traces, read_labelled_traces
 
 if TYPE_CHECKING:
@@ -31,23 +32,13 @@ def demo(out: Path, seed: int, traces_file: Path | None) -> None:
 
     By default the labels come from simulated participants, who are test instruments and no people.
     """
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
     from explicable.evaluation.demo import NUM_PARTS, run_demo, write_demo
 
     traces = read_labelled_traces(traces_file) if traces_file else None
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        bar = progress.add_task("reading", total=NUM_PARTS + 1)
-
-        def tell(part: str) -> None:
-            progress.update(bar, description=part, advance=1)
-
+    with counting(NUM_PARTS + 1) as tell:
         with naming_traces(*filter(None, [traces_file])):
             result = run_demo(seed, traces=traces, tell=tell)
-        progress.update(bar, description="drawing", advance=1)
+        tell("drawing")
         write_demo(result, out)
     _print_tables(result.records)
     echo(f"\nThe plans side by side: {out / 'report.html'}")

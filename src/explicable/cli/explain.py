@@ -16,7 +16,7 @@ from explicable.cli.files import (
     read_steps,
     team_problem_arguments,
 )
-from explicable.cli.outcomes import exit_code, json_option
+from explicable.cli.outcomes import exit_code, hand_over, json_option
 from explicable.cli.prices import HumanSteps, human_step_options
 from explicable.cli.printing import echo, warn
 from explicable.cli.progress import working
@@ -158,22 +158,13 @@ def tell(
 
 def print_told(result: "ToldPlan", output: Path | None, *, as_json: bool) -> int:
     """Print a plan that may tell, or write it to a file; return the exit code."""
-    from explicable.model.files import write_whole
-
     if not result.is_complete:
         warn(
             "not all that could be told was tried: `tell` with a larger --max-sets or --time-limit tries more"
         )
     lines = () if result.plan is None else (*result.lines, f"; cost = {result.plan.cost}")
     text = "".join(f"{line}\n" for line in lines)
-    if output and text:
-        write_whole(output, text)
-    if as_json:
-        echo(json.dumps(describe_told(result)))
-    elif text and not output:
-        echo(text, nl=False)
-    elif not text:
-        echo(f"no plan: {result.outcome.value}", err=True)
+    hand_over(text, output, describe_told(result) if as_json else None, result.outcome.value)
     return exit_code(result)
 
 

@@ -20,9 +20,8 @@ from explicable.cli.files import (
     warn_of_unfamiliar,
 )
 from explicable.cli.limits import Limits, SearchLimits, limit_options
-from explicable.cli.outcomes import exit_code
+from explicable.cli.outcomes import exit_code, hand_over
 from explicable.cli.prices import HumanSteps, human_step_options, improvement_options, show_progress
-from explicable.cli.printing import echo
 
 if TYPE_CHECKING:
     from explicable.labelling import Labeller
@@ -208,22 +207,12 @@ def _print(
     result: "TeamPlan", times: dict[str, float], output: Path | None, *, as_json: bool, has_budget: bool
 ) -> int:
     """Print a plan, or write it to a file; return the exit code."""
-    from explicable.model.files import write_whole
     from explicable.model.plan import format_plan
 
     warn_of_unfamiliar(result.labelled)
     text = format_plan(result.plan.actions, result.plan.cost) if result.plan is not None else None
-    if output and text:
-        write_whole(output, text)
-    if as_json:
-        import json
-
-        echo(json.dumps(describe(result, times)))
-    elif text:
-        if not output:
-            echo(text, nl=False)
-    else:
-        echo(f"no plan: {_reason(result, has_budget=has_budget)}", err=True)
+    record = describe(result, times) if as_json else None
+    hand_over(text, output, record, _reason(result, has_budget=has_budget))
     return exit_code(result)
 
 

@@ -1,6 +1,5 @@
 """`explicable schedule`: joint plans in which several agents act at once."""
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,8 +16,8 @@ from explicable.cli.files import (
     read_told_steps,
     team_problem_arguments,
 )
-from explicable.cli.outcomes import failure_code, json_option
-from explicable.cli.printing import echo, warn
+from explicable.cli.outcomes import failure_code, hand_over, json_option
+from explicable.cli.printing import warn
 from explicable.errors import InputError
 from explicable.model.plan import format_action
 
@@ -96,16 +95,11 @@ def schedule(
             )
         if result.schedule is not None and not _reaches_goal(result.schedule, team_task):
             warn(f"{plan_file}: the plan does not reach the goal")
-    if result.schedule is not None and output:
-        write_whole(output, format_schedule(result.schedule))
     if result.schedule is not None and svg_file:
         write_whole(svg_file, _draw(result.schedule, result.probabilities, team_task.problem))
-    if as_json:
-        echo(json.dumps(describe(result, team_task)))
-    elif result.schedule is None:
-        echo(f"no plan: {result.outcome.value}", err=True)
-    elif not output:
-        echo(format_schedule(result.schedule), nl=False)
+    text = None if result.schedule is None else format_schedule(result.schedule)
+    record = describe(result, team_task) if as_json else None
+    hand_over(text, output, record, result.outcome.value)
     return 0 if result.schedule is not None else failure_code(result.outcome)
 
 

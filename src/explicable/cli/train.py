@@ -1,7 +1,6 @@
 """`explicable train`: from labelled traces to a labeller."""
 
 import json
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,11 +9,11 @@ import click
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange
 from explicable.cli.outcomes import json_option
 from explicable.cli.printing import echo, warn
-from explicable.cli.progress import is_watched
+from explicable.cli.progress import counting
 from explicable.cli.trace_files import naming_traces, read_labelled_traces
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterable
 
     from explicable.labelling import Trace
     from explicable.labelling.validation import Validation
@@ -91,7 +90,7 @@ def train(
     if len(answers) == 1:
         warn(f"all labels say {'explicable' if True in answers else 'inexplicable'}: so will the labeller")
     validation = None
-    with naming_traces(*files), _progress(1 + (num_folds or 0)) as tell:
+    with naming_traces(*files), counting(1 + (num_folds or 0)) as tell:
         if num_folds is not None:
             validation = cross_validate(
                 traces,
@@ -142,18 +141,3 @@ def _print(validation: "Validation", by: str) -> None:
     ]
     for name, text in lines:
         echo(f"{name:22} {text}")
-
-
-@contextmanager
-def _progress(num_parts: int) -> "Iterator[Callable[[str], None]]":
-    """Show what is under way, on a terminal only."""
-    if not is_watched():
-        yield lambda _: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        bar = progress.add_task("reading", total=num_parts)
-        yield lambda part: progress.update(bar, description=part, advance=1)

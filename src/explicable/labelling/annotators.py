@@ -116,8 +116,8 @@ def aggregate(
 
     Notes
     -----
-    Dawid & Skene, *Maximum Likelihood Estimation of Observer Error-Rates Using the EM Algorithm*, 1979. Starts
-    at the shares of votes; deterministic.
+    Dawid & Skene, *Maximum Likelihood Estimation of Observer Error-Rates Using the EM Algorithm*, 1979.
+    Starts at the shares of votes; deterministic.
 
     Examples
     --------
