@@ -194,6 +194,16 @@ def test_pictures_are_well_formed(place, tmp_path):
         assert ET.parse(target).getroot().tag.endswith("svg")
 
 
+def test_a_plan_that_can_not_be_drawn_is_named(place, tmp_path):
+    (tmp_path / "bad.plan").write_text("(move r1 c-1-1 kitchen)\n")
+    map_file = place / "maps" / "map-004.map"
+    drawn = explicable(
+        "first-response", "render", map_file, "--plan", "bad.plan", "-o", "x.svg", cwd=tmp_path
+    )
+    assert drawn.code == BAD_INPUT
+    assert drawn.err == "explicable: bad.plan: step 1 (move r1 c-1-1 kitchen) names no cell: 'kitchen'\n"
+
+
 def test_the_same_seed_makes_the_same_traces(place, tmp_path):
     maps = sorted((place / "maps").iterdir())
     for name in ("one", "two"):

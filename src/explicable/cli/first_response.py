@@ -5,9 +5,10 @@ from pathlib import Path
 import click
 
 from explicable import first_response as maps
-from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, OUTPUT_FOLDER
+from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, OUTPUT_FOLDER, naming
 from explicable.cli.printing import echo
 from explicable.cli.simulate import find_family, participant_options, play_and_write, way_option
+from explicable.errors import PlanError
 from explicable.model.files import write_whole
 
 SEMANTICS = click.Choice(["persistent", "exclusive"])
@@ -99,7 +100,9 @@ def render(map_file: Path, output: Path, view: maps.View, plan_file: Path | None
     world = maps.read_map(map_file)
     actions = read_plan(plan_file) if plan_file else None
     title = world.metadata.get("name", map_file.stem)
-    write_whole(output, maps.render(world, view, plan=actions, title=title, key=True))
+    with naming(plan_file or map_file, PlanError):
+        drawing = maps.render(world, view, plan=actions, title=title, key=True)
+    write_whole(output, drawing)
 
 
 @first_response.command()
