@@ -50,7 +50,13 @@ def participant_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def find_family(name: str, path: Path | None) -> "Family":
-    """Return a family of simulated participants, from a file or built in."""
+    """Return a family of simulated participants, from a file or built in.
+
+    Raises
+    ------
+    click.UsageError
+        If there is none of this name.
+    """
     from explicable.execution import builtin_families
     from explicable.execution.participants import read_families
 

@@ -14,7 +14,13 @@ if TYPE_CHECKING:
 
 
 def read_trace_files(*files: Path) -> "list[Trace]":
-    """Read trace files, each once, with a warning where one was named again; an empty one is refused."""
+    """Read trace files, each once, with a warning where one was named again; an empty one is refused.
+
+    Raises
+    ------
+    TraceError
+        If a file is damaged or holds no trace.
+    """
     from explicable.labelling import read_traces
 
     traces: list[Trace] = []
@@ -32,7 +38,13 @@ def read_trace_files(*files: Path) -> "list[Trace]":
 
 
 def read_labelled_traces(*files: Path) -> "list[Trace]":
-    """Read traces to learn from: at least one label must be there."""
+    """Read traces to learn from: at least one label must be there.
+
+    Raises
+    ------
+    TraceError
+        If a file is damaged or holds no trace, or no step has a label.
+    """
     traces = read_trace_files(*files)
     if not any(step.label is not None for trace in traces for step in trace.steps):
         raise TraceError("no step has a label: there is nothing to learn from", path=files[0])
@@ -65,7 +77,13 @@ def naming_traces(*files: Path) -> Iterator[None]:
 
 
 def read_human_model(file: Path) -> "HumanModel":
-    """Learn from the traces of a file what people do; one in which nobody does anything is refused."""
+    """Learn from the traces of a file what people do; one in which nobody does anything is refused.
+
+    Raises
+    ------
+    TraceError
+        If the file is damaged, or nobody does anything in it; names the file.
+    """
     from explicable.planning import HumanModel
 
     try:

@@ -177,6 +177,11 @@ def compare_with_gee(counts: dict[str, Counts], reference: str, *, alpha: float 
 
     Plans all of whose answers are alike are left out: their odds are no number.
 
+    Raises
+    ------
+    UsageError
+        If there are fewer than two problems.
+
     Notes
     -----
     Liang & Zeger, "Longitudinal data analysis using generalized linear models", Biometrika 73, 1986; robust

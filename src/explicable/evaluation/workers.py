@@ -24,6 +24,11 @@ def run_here(trials: Sequence[Trial], jobs: int = 1) -> Iterator[bytes]:
     ----------
     jobs
         Number of processes; 1: this one.
+
+    Raises
+    ------
+    UsageError
+        If there is to be no process.
     """
     if jobs < 1:
         raise UsageError(f"there must be at least one job, not {jobs}")

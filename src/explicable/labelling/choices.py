@@ -151,6 +151,11 @@ class ChoiceModel:
     def from_weights(cls, weights: Mapping[str, float]) -> Self:
         """Return a model with given weights.
 
+        Raises
+        ------
+        UsageError
+            If a weight is not finite.
+
         Examples
         --------
         >>> ChoiceModel.from_weights({"near": 2.0}).predict([[["far"], ["near"]]])

@@ -140,7 +140,13 @@ class ConditionalRandomField:
         return {name: getattr(self, name) for name in names}
 
     def set_params(self, **params: object) -> Self:
-        """Set constructor parameters by name."""
+        """Set constructor parameters by name.
+
+        Raises
+        ------
+        UsageError
+            If there is no parameter of a name.
+        """
         unknown = params.keys() - self.get_params().keys()
         if unknown:
             raise UsageError(f"a conditional random field has no parameter {', '.join(sorted(unknown))}")
@@ -292,7 +298,13 @@ class ConditionalRandomField:
     def score(
         self, X: Iterable[FeatureSequence], y: LabelSequences, sample_weight: ArrayLike | None = None
     ) -> float:
-        """Return the fraction of labelled positions that `predict` gets right."""
+        """Return the fraction of labelled positions that `predict` gets right.
+
+        Raises
+        ------
+        UsageError
+            If lengths differ, no position is labelled, or the model is not trained.
+        """
         predicted = self.predict(X)
         answers = [list(row) for row in y]
         if [len(row) for row in answers] != [len(row) for row in predicted]:

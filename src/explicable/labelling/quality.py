@@ -123,6 +123,11 @@ def expected_score_error(
     part
         Which steps count: ``paper``, ``robot`` or ``asked``.
 
+    Raises
+    ------
+    UsageError
+        If the two are not of the same plans, no step counts, or there is no such part.
+
     Examples
     --------
     >>> from explicable.labelling.score import score_labels

@@ -60,6 +60,11 @@ def rank_questions(
         Rank by the mean over the steps that one may ask about instead of their sum: for studies that pay by
         the question rather than by the plan.
 
+    Raises
+    ------
+    UsageError
+        If there are fewer than two models, their labels differ, or `may_ask` does not fit the plans.
+
     Examples
     --------
     >>> zero = [[0, 0], [0, 0]]

@@ -132,6 +132,11 @@ def score_plan(
     is_asked
         Whether an annotator was asked about each step. Default: about none.
 
+    Raises
+    ------
+    UsageError
+        If features and flags differ in number.
+
     Examples
     --------
     >>> model = ConditionalRandomField.from_weights([False, True], ["odd"], [[1.0, 0.0]], [[0, 0], [0, 0]])
@@ -169,6 +174,11 @@ def score_labels(
         Whether each step is a robot's.
     is_asked
         Whether an annotator was asked about each step. Default: where there is a label.
+
+    Raises
+    ------
+    UsageError
+        If labels and flags differ in number.
     """
     if is_asked is None:
         is_asked = [label is not None for label in labels]

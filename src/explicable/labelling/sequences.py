@@ -78,7 +78,13 @@ class FeatureEncoder:
         self._offsets = array("q", [0])
 
     def add_all(self, sequences: Iterable[FeatureSequence]) -> None:
-        """Add sequences; an iterator is read once, so no more than one sequence need exist at a time."""
+        """Add sequences; an iterator is read once, so no more than one sequence need exist at a time.
+
+        Raises
+        ------
+        UsageError
+            If something is no sequence of collections of features; names sequence and position.
+        """
         for number, sequence in enumerate(sequences, start=len(self._offsets) - 1):
             start = len(self._position_rows)
             try:

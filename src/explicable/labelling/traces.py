@@ -86,6 +86,11 @@ def problem_checksum(problem: TeamProblem) -> str:
 def split_traces(traces: Iterable[Trace], by: Literal["problem", "annotator"]) -> dict[str, list[Trace]]:
     """Group traces by their problem's checksum or by annotator, in the order of first appearance.
 
+    Raises
+    ------
+    UsageError
+        If they are to be split by anything else.
+
     Examples
     --------
     >>> split_traces([], by="annotator")

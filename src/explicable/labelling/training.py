@@ -54,7 +54,13 @@ class Training:
         tolerance: float,
         given: Iterable[Iterable[Any]] | None = None,
     ) -> Self:
-        """Check and encode what `ConditionalRandomField.fit` is given, except the sequences' weights."""
+        """Check and encode what `ConditionalRandomField.fit` is given, except the sequences' weights.
+
+        Raises
+        ------
+        UsageError
+            As `ConditionalRandomField.fit`, but for the weights.
+        """
         _check_number("c1", c1)
         _check_number("c2", c2)
         _check_number("tolerance", tolerance)
@@ -173,7 +179,13 @@ def sequence_loss(
 
 
 def check_classes(classes: Sequence[Any]) -> tuple[Any, ...]:
-    """Return the labels as a tuple; there must be two or more, all different, none of them ``None``."""
+    """Return the labels as a tuple; there must be two or more, all different, none of them ``None``.
+
+    Raises
+    ------
+    UsageError
+        If they are not.
+    """
     labels = tuple(classes)
     if len(labels) < 2:
         raise UsageError(f"at least two labels are needed, not {list(labels)}: name all of them in `classes`")
@@ -183,7 +195,13 @@ def check_classes(classes: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def check_sample_weight(sample_weight: ArrayLike | None, num_sequences: int) -> NDArray[np.float64]:
-    """Return the weights of sequences as an array; 1 each if there are none."""
+    """Return the weights of sequences as an array; 1 each if there are none.
+
+    Raises
+    ------
+    UsageError
+        If their number is wrong, or one is negative or not finite.
+    """
     if sample_weight is None:
         return np.ones(num_sequences)
     weights = np.array(sample_weight, dtype=np.float64)

@@ -19,6 +19,11 @@ from explicable.labelling.training import check_sample_weight
 def bootstrap_weights(rng: np.random.Generator, num_traces: int, num_draws: int) -> NDArray[np.float64]:
     """Draw weights of traces, ``num_draws x num_traces``, from a flat Dirichlet; rows sum to `num_traces`.
 
+    Raises
+    ------
+    UsageError
+        If there is no trace, or nothing to draw.
+
     Examples
     --------
     >>> bootstrap_weights(np.random.default_rng(0), 3, 2).sum(axis=1)
@@ -69,6 +74,11 @@ def fit_bootstrap(
 
 def mix(distributions: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     """Return the mixture in equal parts of one count's distributions under several models.
+
+    Raises
+    ------
+    UsageError
+        If there is no distribution.
 
     Examples
     --------

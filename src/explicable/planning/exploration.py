@@ -86,7 +86,13 @@ def explore(
     time_limit_s: float | None,
     seed: int,
 ) -> Pool:
-    """Look for plans at the alphas at which the front may have another corner; parameters as of `front`."""
+    """Look for plans at the alphas at which the front may have another corner; parameters as of `front`.
+
+    Raises
+    ------
+    UsageError
+        If the largest alpha is no price, or too small to look at.
+    """
     if check_alpha(max_alpha) < SMALLEST_ALPHA:
         raise UsageError(f"the largest alpha must be at least {SMALLEST_ALPHA}, not {max_alpha}")
     deadline = math.inf if time_limit_s is None else time.monotonic() + time_limit_s

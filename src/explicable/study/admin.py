@@ -56,7 +56,13 @@ class Researchers:
         return routes
 
     async def require(self, request: Request) -> str:
-        """Return the owner's name for tokens, or send whoever is not signed in away."""
+        """Return the owner's name for tokens, or send whoever is not signed in away.
+
+        Raises
+        ------
+        HTTPException
+            303 to the page for signing in.
+        """
         cookie, hashed = request.cookies.get(ADMIN_COOKIE), await self._password_hash()
         if not self.server.keys.is_admin(cookie, hashed):
             raise HTTPException(303, "please sign in", {"Location": "/admin/login"})

@@ -34,7 +34,13 @@ class Conduct:
     materials: Materials
 
     def standing(self, tx: Transaction, session: str) -> Standing:
-        """Return where a session stands."""
+        """Return where a session stands.
+
+        Raises
+        ------
+        UnknownSessionError
+            If there is no such session.
+        """
         row = tx.find(tables.SESSIONS, id=session)
         if row is None:
             raise UnknownSessionError("there is no such session")

@@ -172,8 +172,8 @@ def analyse(
     for number in range(num_studies):
         studies[number] = _study(materials, said, compared, most, np.random.default_rng((seed, 1, number)))
     sizes = {size: _size(materials, studies[:, :size], size) for size in range(FEWEST, most + 1)}
-    enough = [size for size, found in sizes.items() if found.power < target]
-    needed = max(enough, default=FEWEST - 1) + 1
+    too_few = [size for size, found in sizes.items() if found.power < target]
+    needed = max(too_few, default=FEWEST - 1) + 1
     shown = sorted({*_SHOWN, most, needed} & set(sizes))
     yes, asked = np.einsum("kcts,act->sa", said, compared)
     f_one, f_other = yes / asked

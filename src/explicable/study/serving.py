@@ -85,7 +85,13 @@ class Server:
 
     @contextmanager
     def in_background(self) -> Iterator[str]:
-        """Serve from a thread of this process while the block runs; yields the link."""
+        """Serve from a thread of this process while the block runs; yields the link.
+
+        Raises
+        ------
+        InputError
+            If the server does not start.
+        """
         server = self._server()
         thread = threading.Thread(target=server.run, args=([self._socket],), daemon=True)
         thread.start()

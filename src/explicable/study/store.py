@@ -61,7 +61,13 @@ class Store:
         return self.submit(job).result()
 
     def read(self, job: Callable[[Transaction], T]) -> T:
-        """Run a job that only reads."""
+        """Run a job that only reads.
+
+        Raises
+        ------
+        UnavailableError
+            If the database does not answer.
+        """
         try:
             with self._reading.connect() as connection:
                 return job(Transaction(connection))
@@ -133,7 +139,13 @@ def open_engine(url: str, *, begin: str = "BEGIN IMMEDIATE", tries_connections: 
 
 
 def migrate(url: str) -> None:
-    """Bring a database to the newest version, or make it."""
+    """Bring a database to the newest version, or make it.
+
+    Raises
+    ------
+    InputError
+        If there is no such database, it can't be opened, or its driver is not installed.
+    """
     from alembic import command
     from alembic.config import Config
 

@@ -124,7 +124,13 @@ def train(
 
 
 def find_family(name: str) -> Family:
-    """Return a built-in family of simulated participants."""
+    """Return a built-in family of simulated participants.
+
+    Raises
+    ------
+    UsageError
+        If there is none of this name.
+    """
     families = builtin_families()
     if name not in families:
         raise UsageError(f"there is no family {name!r} of simulated participants, but {', '.join(families)}")
