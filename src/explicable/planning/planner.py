@@ -148,28 +148,9 @@ def plan_explicably(
     results = [first]
     left_s = improve_s if time_limit_s is None else min(improve_s, time_limit_s - first.search_s)
     if first.outcome is Outcome.SOLVED and left_s > 0:
-        # J is by expectation, whatever led to the first plan.
-        if not expected:
+        if not expected:  # J is by expectation, whatever led to the first plan
             options["scorer"] = labeller.scorer(features, choice_model=choice_model, charge=human_step_weight)
-        if max_cost is None:
-            options["max_evaluations"] = _left(max_evaluations, results)
-            results.append(_careless(team_task, left_s * _SHARE_OF_CARELESS, options))
-        left_s -= sum(result.search_s for result in results[1:])
-        options["max_evaluations"] = _left(max_evaluations, results)
-        if left_s > 0 and options["max_evaluations"] != 0 and results[-1].outcome is not Outcome.INTERRUPTED:
-            known_plans = [result.operators for result in results if result.operators is not None]
-            results.append(
-                search(
-                    team_task.task,
-                    "anytime",
-                    known_plans=known_plans,
-                    max_cost=max_cost,
-                    time_limit_s=left_s,
-                    gap=gap,
-                    on_better=on_better,
-                    **options,
-                )
-            )
+        results = _improve(team_task, first, left_s, options, max_cost, gap, on_better)
     charged = (human_model, human_step_weight) if human_model else None
     return best_plan(team_task, results, labeller, alpha, charged, features)
 
@@ -202,6 +183,38 @@ def plan_as_in_paper(
     )
 
 
+def _improve(
+    team_task: TeamTask,
+    first: SearchResult,
+    left_s: float,
+    options: "_Options",
+    max_cost: int | None,
+    gap: float,
+    on_better: Callable[[float], None] | None,
+) -> list[SearchResult]:
+    """Return the first result, and those of the searches for a better ``J``."""
+    results = [first]
+    if max_cost is None:  # else the first plan is the cheapest already
+        results.append(_careless(team_task, left_s * _SHARE_OF_CARELESS, _left(options, results)))
+    left_s -= sum(result.search_s for result in results[1:])
+    left = _left(options, results)
+    if left_s > 0 and left["max_evaluations"] != 0 and results[-1].outcome is not Outcome.INTERRUPTED:
+        known_plans = [result.operators for result in results if result.operators is not None]
+        results.append(
+            search(
+                team_task.task,
+                "anytime",
+                known_plans=known_plans,
+                max_cost=max_cost,
+                time_limit_s=left_s,
+                gap=gap,
+                on_better=on_better,
+                **left,
+            )
+        )
+    return results
+
+
 def _careless(team_task: TeamTask, limit_s: float, options: "_Options") -> SearchResult:
     """Search for a plan without regard to the person: what is improved should be no worse than that."""
     found = search(
@@ -214,10 +227,12 @@ def _careless(team_task: TeamTask, limit_s: float, options: "_Options") -> Searc
     return replace(found, is_optimal=False, lower_bound=0.0)  # of J nothing is known
 
 
-def _left(max_evaluations: int | None, before: Sequence[SearchResult]) -> int | None:
-    if max_evaluations is None:
-        return None
-    return max(max_evaluations - sum(result.evaluations for result in before), 0)
+def _left(options: "_Options", before: Sequence[SearchResult]) -> "_Options":
+    """Return the options with as many evaluations as some searches have left."""
+    if options["max_evaluations"] is None:
+        return options
+    spent = sum(result.evaluations for result in before)
+    return {**options, "max_evaluations": max(options["max_evaluations"] - spent, 0)}
 
 
 def _cheapest(team_task: TeamTask, max_cost: int, limit_s: float, options: "_Options") -> SearchResult:
