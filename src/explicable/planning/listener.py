@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from explicable.model.plan import JointPlan
+from explicable.model.task import Task
 from explicable.model.team import TeamTask
 from explicable.planning.differences import Difference
 from explicable.planning.explanation import tell
@@ -70,7 +71,7 @@ class Listener:
         seed: int,
     ) -> WeighedPlan | None:
         """Search for the best plan that may tell."""
-        from explicable.labelling.knowing import telling_task, told_by
+        from explicable.labelling.knowing import telling_task
 
         compiled = telling_task(
             self.labeller,
@@ -90,19 +91,10 @@ class Listener:
         self.lower_bound = result.lower_bound
         if result.operators is None or result.objective is None:
             return None
-        told: list[int] = []
-        times: list[int] = []
-        operators: list[int] = []
-        for operator in result.operators:
-            thing = told_by(compiled.task.action(operator))
-            if thing is None:
-                operators.append(operator)
-            else:
-                told.append(thing)
-                times.append(len(operators))
+        operators, told, times = _part_tellings(compiled.task, result.operators)
         plan = plan_of(self.team_task, operators)
         if human_step_weight == 0:  # else what people do hangs on it too
-            self._wait(plan, told, times)
+            times = self._put_off(plan, told, times)
         tellings = tuple(
             Telling(before, self._teller(plan, before), self.differences[thing])
             for before, thing in zip(times, told, strict=True)
@@ -120,9 +112,10 @@ class Listener:
         nobody = self.knowing[frozenset()]
         return self.labeller.label(nobody, plan.actions, knowing=watching).probabilities
 
-    def _wait(self, plan: JointPlan, told: Sequence[int], times: list[int]) -> None:
-        """Put each telling off for as long as that is as good."""
+    def _put_off(self, plan: JointPlan, told: Sequence[int], times: Sequence[int]) -> list[int]:
+        """Return before which step each thing can be told at the latest and be worth as much."""
         most = sum(self._probabilities(plan, told, times))
+        times = list(times)
         for place in reversed(range(len(told))):
             end = times[place + 1] if place + 1 < len(told) else len(plan) - 1
             for later in range(end, times[place], -1):
@@ -130,12 +123,30 @@ class Listener:
                 if sum(self._probabilities(plan, told, put_off)) >= most - AS_GOOD:
                     times[place] = later
                     break
+        return times
 
     def _teller(self, plan: JointPlan, before_step: int) -> str:
         """Return the robot that acts next, or acted last."""
         robots = {agent.name for agent in self.team_task.problem.agents if agent.kind == "robot"}
         turns = (*plan.steps[before_step:], *reversed(plan.steps[:before_step]))
         return next((step.agent for step in turns if step.agent in robots), min(robots, default="robot"))
+
+
+def _part_tellings(task: Task, operators: Sequence[int]) -> tuple[list[int], list[int], list[int]]:
+    """Return the steps of a compiled plan, what is told in it, and before which step each thing is."""
+    from explicable.labelling.knowing import told_by
+
+    steps: list[int] = []
+    told: list[int] = []
+    times: list[int] = []
+    for operator in operators:
+        thing = told_by(task.action(operator))
+        if thing is None:
+            steps.append(operator)
+        else:
+            told.append(thing)
+            times.append(len(steps))
+    return steps, told, times
 
 
 def plan_of(team_task: TeamTask, operators: Sequence[int]) -> JointPlan:
