@@ -8,6 +8,7 @@ import pytest
 from explicable.errors import ResourceError, UsageError
 from explicable.model.grounding import ground_team
 from explicable.planning.beliefs import watch
+from explicable.planning.deadline import Deadline
 from explicable.planning.observer import CostToGo, recognise, step_probabilities, surprise
 from labelling.small_teams import courier, walk
 from oracles.costs import cheapest
@@ -55,7 +56,7 @@ def test_costs_to_go_are_exact_and_end_in_time():
     for state in walk(team.mental, np.random.default_rng(3), 5)[1]:
         assert value(state) == cheapest(team.mental, state, team.mental.is_goal, lambda _: True)
     with pytest.raises(ResourceError):
-        CostToGo(team.mental, deadline=-1.0)(team.mental.initial_state)
+        CostToGo(team.mental, deadline=Deadline(-1.0))(team.mental.initial_state)
 
 
 def test_walking_towards_one_room_tells_it_from_the_other():

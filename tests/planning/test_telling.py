@@ -8,7 +8,7 @@ import pytest
 
 from explicable.errors import UsageError
 from explicable.model.team import TeamTask
-from explicable.planning import telling
+from explicable.planning import deadline
 from explicable.planning.differences import FactDifference, find_differences
 from explicable.planning.explanation import tell
 from explicable.planning.telling import conform_or_explain
@@ -92,7 +92,7 @@ def test_without_a_difference_or_a_plan_there_is_nothing_to_tell():
 
 def test_out_of_time_the_best_so_far_is_given(monkeypatch):
     clock = itertools.chain([0, 0], itertools.repeat(PATIENCE_S))  # after the first plan the time is up
-    monkeypatch.setattr(telling, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    monkeypatch.setattr(deadline, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     late = conform_or_explain(floor(DETOUR), judge_of_progress(), **OPTIONS)
     assert late.outcome is Outcome.SOLVED
     assert late.objective == late.objective_untold

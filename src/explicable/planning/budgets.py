@@ -1,7 +1,6 @@
 """Budgets in the place of alpha: at most so much dearer, or at least so explicable."""
 
 import math
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -9,6 +8,7 @@ from typing import TYPE_CHECKING
 from explicable.errors import UsageError
 from explicable.model.team import TeamTask
 from explicable.planning.affordable import plan_most_explicably
+from explicable.planning.deadline import Deadline
 from explicable.planning.pareto import ROUNDING, FrontPlan
 from explicable.planning.planner import plan_classically
 from explicable.planning.team_plan import TeamPlan
@@ -72,12 +72,9 @@ def plan_within_budget(
     3
     """
     choose((), max_cost_increase=max_cost_increase, min_explicability=min_explicability)  # refused at once
-    deadline = math.inf if time_limit_s is None else time.monotonic() + time_limit_s
+    deadline = Deadline.after(time_limit_s)
     features = labeller.features(team_task)
     searches: list[TeamPlan] = []
-
-    def left_s() -> float | None:
-        return None if deadline == math.inf else max(0.0, deadline - time.monotonic())
 
     def solve(max_cost: int | None) -> TeamPlan:
         searches.append(
@@ -86,19 +83,18 @@ def plan_within_budget(
                 labeller,
                 max_cost,
                 improve_s=search_s,
-                time_limit_s=left_s(),
+                time_limit_s=deadline.limit_s,
                 max_evaluations=max_evaluations,
                 seed=seed,
             )
         )
         return searches[-1]
 
-    cheapest_s = search_s if deadline == math.inf else min(search_s, deadline - time.monotonic())
     cheapest = plan_classically(
         team_task,
         labeller=labeller,
         algorithm="anytime",
-        time_limit_s=cheapest_s,
+        time_limit_s=min(search_s, deadline.left_s),
         max_evaluations=max_evaluations,
         seed=seed,
     )
@@ -108,7 +104,7 @@ def plan_within_budget(
     if max_cost_increase is not None:
         chosen = solve(math.floor((1 + max_cost_increase) * cheapest.plan.cost + ROUNDING))
     else:
-        chosen = _cheapest_of(solve, cheapest.plan.cost, min_explicability or 0.0, left_s)
+        chosen = _cheapest_of(solve, cheapest.plan.cost, min_explicability or 0.0, deadline)
     if chosen.plan is None or chosen.explicability < (min_explicability or 0.0):
         chosen = replace(chosen, outcome=Outcome.LIMIT, plan=None, labelled=None, objective=None)
     interrupted = any(found.outcome is Outcome.INTERRUPTED for found in searches)
@@ -124,7 +120,7 @@ def _cheapest_of(
     solve: Callable[[int | None], TeamPlan],
     cheapest: int,
     min_explicability: float,
-    left_s: Callable[[], float | None],
+    deadline: Deadline,
 ) -> TeamPlan:
     """Bisect for the smallest limit of cost within which the most explicable plan is explicable enough."""
     best = solve(None)
@@ -134,7 +130,7 @@ def _cheapest_of(
         and best.explicability >= min_explicability
         and low < best.plan.cost
         and best.outcome is not Outcome.INTERRUPTED
-        and left_s() != 0.0
+        and deadline.left_s > 0
     ):
         limit = (low + best.plan.cost - 1) // 2
         found = solve(limit)

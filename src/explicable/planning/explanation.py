@@ -7,7 +7,6 @@ the order of their size, all of one size before the next.
 """
 
 import itertools
-import time
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -22,6 +21,7 @@ from explicable.model.task import State, Task
 from explicable.model.team import TeamTask
 from explicable.planning.beliefs import watch
 from explicable.planning.correction import correct
+from explicable.planning.deadline import Deadline
 from explicable.planning.differences import Difference, find_differences
 from explicable.search import search
 
@@ -156,7 +156,7 @@ farther (-5.0). Did the person know that (clear c-0-1) does not hold, it would b
     """
     if not 0 <= threshold <= 1 or max_told < 0:
         raise UsageError("the threshold must be between 0 and 1, and the size of a set not negative")
-    deadline = time.monotonic() + time_limit_s
+    deadline = Deadline.after(time_limit_s)
     features = labeller.features(team_task)
     labelled = labeller.label(features, actions)
     counsel = _Counsel(features.team, labeller, labelled, deadline)
@@ -171,7 +171,7 @@ class _Counsel:
     """Answers what the labeller would say, had the person been told something; remembers all answers."""
 
     def __init__(
-        self, team_task: TeamTask, labeller: "Labeller", labelled: "LabelledPlan", deadline: float
+        self, team_task: TeamTask, labeller: "Labeller", labelled: "LabelledPlan", deadline: Deadline
     ) -> None:
         self.team_task = team_task
         self.labeller = labeller
@@ -199,7 +199,7 @@ class _Counsel:
         """Return how probably each step is expected after telling; None if the time is up."""
         key = frozenset(told)
         if key not in self._answers:
-            if time.monotonic() > self.deadline:
+            if self.deadline.left_s <= 0:
                 return None
             corrected = tell(self.team_task, told)
             self._answers[key] = self.labeller.label(corrected, self.labelled.actions).probabilities
@@ -241,7 +241,7 @@ def _most_relevant_first(counsel: _Counsel, number: int) -> list[Difference]:
     """Order differences by how much of what they are about belongs to the step or to the way expected."""
     mental = counsel.team_task.mental
     touched = set(counsel.labelled.actions[number])
-    for action in _expected_way(mental, counsel.believed[number], counsel.deadline - time.monotonic()):
+    for action in _expected_way(mental, counsel.believed[number], counsel.deadline.left_s):
         touched.update(action)
     return counsel.most_relevant_first(touched)
 

@@ -9,13 +9,12 @@ explicable plan of at most so much cost (the second of the two phases of Ulungu 
 method", Found. Computing and Decision Sci. 20, 1995).
 """
 
-import math
-import time
 from typing import TYPE_CHECKING
 
 from explicable.errors import UsageError
 from explicable.model.team import TeamTask
 from explicable.planning.affordable import plan_most_explicably
+from explicable.planning.deadline import Deadline
 from explicable.planning.pareto import Front, Pool
 from explicable.planning.planner import plan_classically, plan_explicably
 from explicable.planning.team_plan import check_alpha
@@ -95,42 +94,33 @@ def explore(
     """
     if check_alpha(max_alpha) < SMALLEST_ALPHA:
         raise UsageError(f"the largest alpha must be at least {SMALLEST_ALPHA}, not {max_alpha}")
-    deadline = math.inf if time_limit_s is None else time.monotonic() + time_limit_s
+    deadline = Deadline.after(time_limit_s)
     features = labeller.features(team_task)
     pool = Pool()
 
-    def left_s() -> float:
-        return max(0.0, deadline - time.monotonic())
-
     def solve(alpha: float) -> None:
-        limit_s = None if deadline == math.inf else left_s()
-        pool.add(
-            plan_explicably(
-                features, labeller, alpha=alpha, improve_s=search_s, time_limit_s=limit_s, seed=seed
-            ),
-            alpha,
+        found = plan_explicably(
+            features, labeller, alpha=alpha, improve_s=search_s, time_limit_s=deadline.limit_s, seed=seed
         )
+        pool.add(found, alpha)
 
-    cheapest_s = min(search_s, left_s())
+    cheapest_s = min(search_s, deadline.left_s)
     pool.add(
         plan_classically(
             team_task, labeller=labeller, algorithm="anytime", time_limit_s=cheapest_s, seed=seed
         )
     )
     alphas = [SMALLEST_ALPHA, max_alpha]
-    while alphas and pool.outcome is not Outcome.INTERRUPTED and (left_s() > 0 or not pool.has_plan):
+    while alphas and pool.outcome is not Outcome.INTERRUPTED and (deadline.left_s > 0 or not pool.has_plan):
         solve(alphas[0])
         alphas = alphas[1:] if alphas[0] == SMALLEST_ALPHA else pool.unsettled(max_alpha)
     while (
         (max_cost := pool.next_limit()) is not None
         and pool.outcome is not Outcome.INTERRUPTED
-        and left_s() > 0
+        and deadline.left_s > 0
     ):
-        limit_s = None if deadline == math.inf else left_s()
-        pool.add_within(
-            max_cost,
-            plan_most_explicably(
-                features, labeller, max_cost, improve_s=search_s, time_limit_s=limit_s, seed=seed
-            ),
+        found = plan_most_explicably(
+            features, labeller, max_cost, improve_s=search_s, time_limit_s=deadline.limit_s, seed=seed
         )
+        pool.add_within(max_cost, found)
     return pool

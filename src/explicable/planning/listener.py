@@ -5,7 +5,6 @@ compiled (`explicable.labelling.knowing`); what has been told is one more variab
 """
 
 import itertools
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING
 from explicable.model.plan import JointPlan
 from explicable.model.task import Task
 from explicable.model.team import TeamTask
+from explicable.planning.deadline import Deadline
 from explicable.planning.differences import Difference
 from explicable.planning.explanation import tell
 from explicable.planning.team_plan import joint_plan
@@ -50,11 +50,11 @@ class Listener:
         self.lower_bound = 0.0
         self.knowing: dict[frozenset[int], TeamFeatures] = {frozenset(): features}
 
-    def learn(self, max_told: int, max_sets: int, deadline: float) -> bool:
+    def learn(self, max_told: int, max_sets: int, deadline: Deadline) -> bool:
         """Prepare sets of differences, the smallest first; return whether all up to a size were."""
         for size in range(1, min(max_told, len(self.differences)) + 1):
             for told in itertools.combinations(range(len(self.differences)), size):
-                if len(self.knowing) >= max_sets or time.monotonic() > deadline:
+                if len(self.knowing) >= max_sets or deadline.left_s <= 0:
                     return False
                 corrected = tell(self.team_task, [self.differences[number] for number in told])
                 self.knowing[frozenset(told)] = self.labeller.features(corrected)

@@ -1,7 +1,6 @@
 """All measures of a given plan, in one call."""
 
 import math
-import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,6 +9,7 @@ from explicable.errors import PlanError, ResourceError
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
 from explicable.planning.beliefs import watch
+from explicable.planning.deadline import Deadline
 from explicable.planning.distances import PlanDistance, plan_distance
 from explicable.planning.observer import CostToGo, Recognition, recognise, step_probabilities, surprise
 
@@ -121,7 +121,7 @@ def measure(
     labelled = labeller.label(team_task, actions) if labeller else None
     mental_cost, objection = _in_mental_model(team_task, actions)
 
-    deadline = math.inf if time_limit_s is None else time.monotonic() + time_limit_s
+    deadline = Deadline.after(time_limit_s)
     cost_to_go = CostToGo(team_task.mental, deadline)
     least: float | None = None
     probabilities: tuple[float | None, ...] | None = None

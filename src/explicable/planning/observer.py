@@ -10,7 +10,6 @@ observer who expects the best and nothing else, large for one who expects anythi
 """
 
 import math
-import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -19,6 +18,7 @@ from explicable.model.problem import GroundAtom, Problem
 from explicable.model.task import State, Task
 from explicable.model.team import TeamTask
 from explicable.planning.beliefs import watch
+from explicable.planning.deadline import NEVER, Deadline
 from explicable.search import Outcome, search
 
 
@@ -30,7 +30,7 @@ class CostToGo:
     task
         The task; its own goal counts.
     deadline
-        Reading of `time.monotonic` after which no more is searched.
+        After which no more is searched.
 
     Examples
     --------
@@ -42,7 +42,7 @@ class CostToGo:
     4
     """
 
-    def __init__(self, task: Task, deadline: float = math.inf) -> None:
+    def __init__(self, task: Task, deadline: Deadline = NEVER) -> None:
         self.task = task
         self.deadline = deadline
         self._known: dict[State, float] = {}
@@ -56,12 +56,11 @@ class CostToGo:
             If that is not found out in time, or in the memory there is.
         """
         if state not in self._known:
-            left_s = self.deadline - time.monotonic()
-            limit_s = None if left_s == math.inf else max(left_s, 0.0)
+            limit_s = self.deadline.limit_s
             result = search(self.task, "astar", initial_state=state, time_limit_s=limit_s)
             if result.outcome is Outcome.INTERRUPTED:
                 raise KeyboardInterrupt
-            if left_s <= 0 or result.outcome is Outcome.LIMIT:
+            if limit_s == 0 or result.outcome is Outcome.LIMIT:
                 raise ResourceError("the exact cost-to-go in the mental model was not found out in time")
             self._remember(state, result.operators, result.cost)
         return self._known[state]
@@ -180,7 +179,7 @@ def recognise(
     alternative_goals: Sequence[Iterable[GroundAtom]],
     *,
     temperature: float = 1.0,
-    deadline: float = math.inf,
+    deadline: Deadline = NEVER,
 ) -> Recognition:
     """Measure legibility and predictability of a plan's prefixes.
 

@@ -12,7 +12,6 @@ tell, and when.
 """
 
 import math
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -20,6 +19,7 @@ from typing import TYPE_CHECKING
 from explicable.errors import UsageError
 from explicable.model.plan import JointPlan, format_action
 from explicable.model.team import TeamTask
+from explicable.planning.deadline import Deadline
 from explicable.planning.differences import Difference, find_differences
 from explicable.planning.explanation import explain
 from explicable.planning.listener import AS_GOOD, Listener, WeighedPlan, plan_of
@@ -153,18 +153,14 @@ def conform_or_explain(
         raise UsageError("the cost of telling must be finite, and neither it nor the size of a set negative")
     if max_sets < 1:
         raise UsageError("the person who is told nothing is one set: max_sets must be at least 1")
-    deadline = time.monotonic() + time_limit_s
-
-    def left_s() -> float:
-        return max(deadline - time.monotonic(), 0.0)
-
+    deadline = Deadline.after(time_limit_s)
     features = labeller.features(team_task)
     plain = plan_explicably(
         features,
         labeller,
         alpha=alpha,
         improve_s=improve_s,
-        time_limit_s=left_s(),
+        time_limit_s=deadline.left_s,
         human_model=human_model,
         human_step_weight=human_step_weight,
         seed=seed,
@@ -172,20 +168,20 @@ def conform_or_explain(
     if plain.plan is None or plain.labelled is None or plain.objective is None:
         return ToldPlan(plain.outcome, None, (), (), None, 0.0, None, is_complete=True)
     weighed = WeighedPlan(plain.plan, (), plain.labelled.probabilities, plain.objective)
-    cheapest = search(team_task.task, "anytime", time_limit_s=min(improve_s, left_s()), seed=seed)
+    cheapest = search(team_task.task, "anytime", time_limit_s=min(improve_s, deadline.left_s), seed=seed)
     affordable = plain.objective - cheapest.lower_bound
     while max_told > 0 and telling_cost * max_told >= affordable:
         max_told -= 1
     plans = [plain.plan, *([] if cheapest.operators is None else [plan_of(team_task, cheapest.operators)])]
     told, is_complete, lower_bound = None, max_told == 0, 0.0
-    if share_s := left_s() / 2:
+    if share_s := deadline.left_s / 2:
         candidates = _candidates(features, labeller, plans, max_told, max_sets, share_s / 2)
         listener = Listener(features, labeller, candidates)
-        is_complete = listener.learn(max_told, max_sets, deadline - share_s)
+        is_complete = listener.learn(max_told, max_sets, Deadline(deadline.moment_s - share_s))
         told = listener.plan(
             alpha,
             telling_cost,
-            time_limit_s=min(improve_s, left_s()),
+            time_limit_s=min(improve_s, deadline.left_s),
             human_model=human_model,
             human_step_weight=human_step_weight,
             seed=seed,
