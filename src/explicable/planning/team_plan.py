@@ -4,6 +4,7 @@ The paper's objective (Eq. 2 and 3) is ``J(plan) = cost(plan) + alpha * dist(pla
 labeller predicts for the plan in the place of the distance to the plan that the person expects.
 """
 
+import html
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -77,7 +78,8 @@ class TeamPlan:
         if self.labelled:
             chances = zip(steps, self.labelled.probabilities, strict=True)
             steps = [f"{step}: expected with probability {p:.2f}" for step, p in chances]
-        return f"<p>cost {self.plan.cost}</p><ol>{''.join(f'<li>{step}</li>' for step in steps)}</ol>"
+        items = "".join(f"<li>{html.escape(step)}</li>" for step in steps)
+        return f"<p>cost {self.plan.cost}</p><ol>{items}</ol>"
 
 
 def joint_plan(team_task: TeamTask, actions: tuple[GroundAtom, ...], cost: int) -> JointPlan:
