@@ -100,7 +100,7 @@ def test_what_is_remembered_of_other_games_changes_nothing(problems, most, monke
             guesses = PersonFilter(setting, draw_evenly(families, rng), rng, thoughts=known)
             person = SimulatedPerson(setting, families[seed].draw(seed, rng), np.random.default_rng(seed))
             run(setting, lambda _: Proposal(Outcome.LIMIT), person, watch=guesses.see)
-            found.append([(guess.thought.mind, guess.weight, guess.regret) for guess in guesses.guesses])
+            found.append(([thought.mind for thought in guesses.thinking], guesses.weights.tolist()))
         assert found[0] == found[1] == found[2]
 
 

@@ -10,49 +10,29 @@ participants. It watches the game as the person does, and is as probable as it m
 When few guesses carry the weight, they are drawn anew (Gordon, Salmond & Smith 1993).
 """
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+import itertools
+import math
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from explicable.errors import UsageError
-from explicable.execution import mind as minds
 from explicable.execution.course import Course
 from explicable.execution.monitor import Event
 from explicable.execution.notices import Occurrence
 from explicable.execution.participants import Family, Participant
 from explicable.execution.setting import Setting
-from explicable.execution.thoughts import Thought, Thoughts
+from explicable.execution.thoughts import Judgement, Thought, Thoughts
 from explicable.model.problem import GroundAtom
 from explicable.model.task import State
 
 if TYPE_CHECKING:
-    import numpy as np
-
-
-@dataclass(slots=True)
-class Guess:
-    """A person that the present one may be.
-
-    Attributes
-    ----------
-    participant
-        How it judges and learns.
-    thought
-        What it believes now.
-    weight
-        Its probability.
-    regret
-        Of the last robot step, by its beliefs before the step.
-    """
-
-    participant: Participant
-    thought: Thought
-    weight: float
-    regret: float = field(default=0.0)
+    from numpy.typing import NDArray
 
 
 def draw_evenly(
-    families: Iterable[Family], rng: "np.random.Generator", *, num_guesses: int = 24
+    families: Iterable[Family], rng: np.random.Generator, *, num_guesses: int = 24
 ) -> tuple[Participant, ...]:
     """Draw simulated participants from families in turn: whom a `PersonFilter` reckons with.
 
@@ -68,6 +48,33 @@ def draw_evenly(
     if not drawn_from or num_guesses < 1:
         raise UsageError("a filter needs families, and a guess or more")
     return tuple(drawn_from[i % len(drawn_from)].draw(i, rng) for i in range(num_guesses))
+
+
+class _Crowd:
+    """Participants side by side.
+
+    Attributes
+    ----------
+    judges
+        One of those who judge alike, for each way to judge.
+    ways
+        The number of each participant's.
+    """
+
+    def __init__(self, participants: tuple[Participant, ...]) -> None:
+        self.participants = participants
+        alike = {(who.horizon, who.initiative): who for who in participants}
+        self.judges = tuple(alike.values())
+        ways = list(alike)
+        self.ways = [ways.index((who.horizon, who.initiative)) for who in participants]
+        self._slack = np.array([who.slack for who in participants])
+        self._temperature = np.array([who.temperature for who in participants])
+        self._is_boltzmann = np.array([who.judgement == "boltzmann" for who in participants])
+
+    def acceptance(self, regrets: "NDArray[np.float64]") -> "NDArray[np.float64]":
+        """Return what `mind.acceptance` does, for each by their own regret."""
+        rational = np.exp(-np.maximum(regrets, 0.0) / self._temperature)
+        return np.where(self._is_boltzmann, rational, regrets <= self._slack)
 
 
 class PersonFilter:
@@ -87,13 +94,20 @@ class PersonFilter:
         Probability that the person does what no guess explains, above 0 and below 1.
     thoughts
         Shared by the filters of games on the same map.
+
+    Attributes
+    ----------
+    thinking
+        What each of the participants would believe now.
+    weights
+        How probable it is that the person is they; float64.
     """
 
     def __init__(
         self,
         setting: Setting,
         participants: Iterable[Participant],
-        rng: "np.random.Generator",
+        rng: np.random.Generator,
         *,
         temperature: float = 1.0,
         lapse: float = 0.1,
@@ -105,10 +119,18 @@ class PersonFilter:
         self.setting, self._rng = setting, rng
         self.temperature, self.lapse = temperature, lapse
         self._thoughts = thoughts or Thoughts(setting)
-        start = self._thoughts.first
-        self.guesses = [Guess(participant, start, 1.0 / len(drawn)) for participant in drawn]
-        self._num_seen = 0
+        self._crowd = _Crowd(drawn)
+        self._facts_until: list[tuple[float, ...]] = [()] * len(drawn)
+        self.thinking = [self._thoughts.first] * len(drawn)
+        self.weights = np.full(len(drawn), 1.0 / len(drawn))
+        self._judged = [Judgement(0.0, None)] * len(drawn)  # of the last robot step, by beliefs before it
+        self._num_seen = self._num_judged = 0
         self._state = setting.truth.task.initial_state
+
+    @property
+    def participants(self) -> tuple[Participant, ...]:
+        """Whom the person may be, by now."""
+        return self._crowd.participants
 
     def see(self, course: Course) -> None:
         """Take in what has happened since the last time; give it to `run` as ``watch``."""
@@ -123,80 +145,98 @@ class PersonFilter:
 
         Empty if nothing is left to ask for. A request under way is taken to be fulfilled before that.
         """
+        weights: dict[Thought, float] = {}
+        for thought, weight in zip(self.thinking, self.weights.tolist(), strict=True):
+            weights[thought] = weights.get(thought, 0.0) + weight
         chances: dict[GroundAtom, float] = {}
-        for guess in self.guesses:
-            for action, chance in self._choices(self._thoughts.rest(guess.thought)).items():
-                chances[action] = chances.get(action, 0.0) + guess.weight * chance
+        for thought, weight in weights.items():
+            for action, chance in self._choices(self._thoughts.rest(thought)).items():
+                chances[action] = chances.get(action, 0.0) + weight * chance
         return chances
 
     def families(self) -> dict[str, float]:
         """Return the probability of each family, by the names of its participants."""
         found: dict[str, float] = {}
-        for guess in self.guesses:
-            name = guess.participant.name.rsplit("-", 1)[0]
-            found[name] = found.get(name, 0.0) + guess.weight
+        for participant, weight in zip(self.participants, self.weights.tolist(), strict=True):
+            name = participant.name.rsplit("-", 1)[0]
+            found[name] = found.get(name, 0.0) + weight
         return found
 
     def _take_in(self, occurrence: Occurrence) -> None:
         event, action, after = occurrence.event, occurrence.notice.action, occurrence.game_state
-        if event is Event.ANSWER_GIVEN and occurrence.notice.answer is not None:
-            explicable = occurrence.notice.answer
-            self._weigh([self._answers(guess, explicable=explicable) for guess in self.guesses])
-        elif event is Event.STEP_FINISHED:
+        if event is Event.STEP_FINISHED:
             self._think(action)
             self._watch(action, after)
+        elif event is Event.ANSWER_GIVEN and occurrence.notice.answer is not None:
+            self._hear(explicable=occurrence.notice.answer)
         elif event is Event.PERSON_COMMANDED and after != self._state:
             if action in self.setting.belief.requests:
-                self._weigh([self._choices(g.thought).get(action, self.lapse) for g in self.guesses])
+                self._weigh(np.array([self._choices(t).get(action, self.lapse) for t in self.thinking]))
             self._watch(action, after)
 
     def _watch(self, action: GroundAtom, after: State) -> None:
         """Let all guesses see a step."""
         watch, before = self._thoughts.watch, self._state
-        for guess in self.guesses:
-            guess.thought = watch(guess.thought, action, before, after)
+        then = {thought: watch(thought, action, before, after) for thought in set(self.thinking)}
+        self.thinking = [then[thought] for thought in self.thinking]
 
     def _think(self, action: GroundAtom) -> None:
         """Let all guesses judge a robot step and perhaps learn from it, as simulated participants do."""
-        thoughts, chance, truth = self._thoughts, self._rng.random, self._state
-        for guess in self.guesses:
-            who = guess.participant
-            if inferred := guess.thought.mind.inferred:
-                kept = tuple([chance() < who.memory for _ in inferred])
-                if not all(kept):
-                    guess.thought = thoughts.keep(guess.thought, kept)
-            guess.regret, error = thoughts.judge(guess.thought, who, action, truth)
-            if error is not None and chance() < who.learning:
-                guess.thought = thoughts.correct(guess.thought, error)
+        self._num_judged += 1
+        self._forget()
+        judge, judges, truth = self._thoughts.judge, self._crowd.judges, self._state
+        pairs = list(zip(self.thinking, self._crowd.ways, strict=True))
+        judged = {pair: judge(pair[0], judges[pair[1]], action, truth) for pair in set(pairs)}
+        self._judged = [judged[pair] for pair in pairs]
+        if any(judgement.error is not None for judgement in judged.values()):
+            self._learn()
+
+    def _learn(self) -> None:
+        for number, (who, (_, error)) in enumerate(zip(self.participants, self._judged, strict=True)):
+            if error is not None and self._rng.random() < who.learning:
+                self.thinking[number] = self._thoughts.correct(self.thinking[number], error)
+                self._facts_until[number] += (self._forgotten_at(who),)
+
+    def _forgotten_at(self, who: Participant) -> float:
+        """Draw at which robot step a fact will be forgotten that may be so at each from now on."""
+        return self._num_judged + self._rng.geometric(1.0 - who.memory) if who.memory < 1.0 else math.inf
+
+    def _forget(self) -> None:
+        now = self._num_judged
+        for number, until in enumerate(self._facts_until):
+            if until and now in until:
+                kept = tuple([end != now for end in until])
+                self.thinking[number] = self._thoughts.keep(self.thinking[number], kept)
+                self._facts_until[number] = tuple(itertools.compress(until, kept))
 
     def _choices(self, thought: Thought) -> Mapping[GroundAtom, float]:
         return self._thoughts.choices(thought, self.temperature, self.lapse)
 
-    def _answers(self, guess: Guess, *, explicable: bool) -> float:
-        accepted = minds.acceptance(guess.participant, guess.regret)
-        meant = accepted if explicable else 1.0 - accepted
-        return (1.0 - self.lapse) * meant + self.lapse * (1.0 - meant)
+    def _hear(self, *, explicable: bool) -> None:
+        """Take in an answer; it tells nothing if nobody regrets the step, since then all would accept it."""
+        regrets = [judgement.regret for judgement in self._judged]
+        if any(regrets):
+            accepted = self._crowd.acceptance(np.array(regrets))
+            meant = accepted if explicable else 1.0 - accepted
+            self._weigh(self.lapse + (1.0 - 2.0 * self.lapse) * meant)
 
-    def _weigh(self, likelihoods: Sequence[float]) -> None:
-        for guess, likelihood in zip(self.guesses, likelihoods, strict=True):
-            guess.weight *= likelihood
-        total = sum(guess.weight for guess in self.guesses)
-        for guess in self.guesses:
-            guess.weight /= total
-        if 1.0 / sum(guess.weight**2 for guess in self.guesses) < len(self.guesses) / 2:
+    def _weigh(self, likelihoods: "NDArray[np.float64]") -> None:
+        self.weights = self.weights * likelihoods
+        self.weights /= self.weights.sum()
+        if 1.0 / (self.weights @ self.weights) < len(self.weights) / 2:
             self._draw_anew()
 
     def _draw_anew(self) -> None:
         """Draw guesses by their weights, evenly spaced; all weigh alike then."""
-        number, spent = len(self.guesses), 0.0
-        kept: list[Guess] = []
-        mark = float(self._rng.random())
-        for guess in self.guesses:
-            spent += guess.weight * number
-            while mark < spent and len(kept) < number:
-                kept.append(Guess(guess.participant, guess.thought, 1.0 / number, guess.regret))
-                mark += 1.0
-        while len(kept) < number:  # rounding
-            last = self.guesses[-1]
-            kept.append(Guess(last.participant, last.thought, 1.0 / number, last.regret))
-        self.guesses = kept
+        number = len(self.weights)
+        marks = (np.arange(number) + self._rng.random()) / number
+        drawn = np.minimum(np.searchsorted(np.cumsum(self.weights), marks, side="right"), number - 1).tolist()
+        self._crowd = _Crowd(tuple([self.participants[guess] for guess in drawn]))
+        self.thinking = [self.thinking[guess] for guess in drawn]
+        self._judged = [self._judged[guess] for guess in drawn]
+        # Copies of a guess go their own ways.
+        self._facts_until = [
+            tuple([self._forgotten_at(who) for _ in range(thought.num_inferred)])
+            for who, thought in zip(self.participants, self.thinking, strict=True)
+        ]
+        self.weights = np.full(number, 1.0 / number)

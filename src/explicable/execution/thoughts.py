@@ -36,10 +36,11 @@ class Judgement(NamedTuple):
 class Thought:
     """A mind, and what was worked out of it; made by `Thoughts`."""
 
-    __slots__ = ("_choices", "_corrected", "_judgements", "_kept", "_rest", "_seen", "mind")
+    __slots__ = ("_choices", "_corrected", "_judgements", "_kept", "_rest", "_seen", "mind", "num_inferred")
 
     def __init__(self, mind: Mind) -> None:
         self.mind = mind
+        self.num_inferred = len(mind.inferred)
         self._judgements: dict[tuple[GroundAtom, State, Horizon, bool], Judgement] = {}
         self._seen: dict[tuple[GroundAtom, State, State], Thought] = {}
         self._corrected: dict[Belief, Thought] = {}
