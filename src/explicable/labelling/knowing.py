@@ -33,13 +33,10 @@ class TellingTask:
         nothing: the scorer charges for it.
     scorer
         For searches of this task only.
-    sets
-        What can have been told: nothing first.
     """
 
     task: Task
     scorer: _core.PathScorer
-    sets: tuple[frozenset[int], ...]
 
 
 def telling_task(
@@ -80,7 +77,6 @@ def telling_task(
     return TellingTask(
         replace(task, problem=problem, core=core),
         _core.TellingScorer(task.core, scorers, price),
-        sets,
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Literal
 
-from explicable.errors import PlanError, TraceError
+from explicable.errors import PlanError, TraceError, UsageError
 from explicable.labelling.augment import ground_symbol_features, interchangeable_objects, permute
 from explicable.labelling.augment import random_permutations as draw_permutations
 from explicable.labelling.features import TeamFeatures
@@ -168,7 +168,7 @@ class TrainingData:
     def _renamings_of(self, problem: "TeamProblem") -> list[dict[str, str]]:
         if id(problem) not in self._renamings:
             if self._rng is None:
-                raise ValueError("copies need a source of chance")
+                raise UsageError("copies need a source of chance")
             groups = interchangeable_objects(problem.composite)
             self._renamings[id(problem)] = list(draw_permutations(self._rng, groups, self.num_copies))
         return self._renamings[id(problem)]
