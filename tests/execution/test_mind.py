@@ -122,8 +122,8 @@ def test_what_was_inferred_can_be_forgotten(setting):
     mind, state = after(setting, ASK)
     rng = np.random.default_rng(0)
     learnt = minds.infer(setting, Participant("simulated-1", learning=1.0), mind, state, rng)
-    assert minds.forget(setting, Participant("simulated-1", memory=1.0), learnt, rng) == learnt
-    assert minds.forget(setting, Participant("simulated-1", memory=0.0), learnt, rng) == mind
+    assert minds.keep(setting, learnt, [True]) == learnt
+    assert minds.keep(setting, learnt, [False]) == mind
 
 
 def test_seeing_the_impossible_happen_corrects_the_belief(setting):

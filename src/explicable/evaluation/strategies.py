@@ -23,7 +23,6 @@ from explicable.execution import (
     Setting,
     SimulatedPerson,
     Situation,
-    Thoughts,
     builtin_families,
     draw_evenly,
     run,
@@ -97,18 +96,14 @@ class _Acquaintance:
     def __init__(self) -> None:
         self._families = builtin_families()
         self._drawn: dict[tuple[str, ...], tuple[Participant, ...]] = {}
-        self._thoughts: Thoughts | None = None
 
     def __call__(self, setting: Setting, person: SimulatedPerson) -> PersonFilter:
-        """Return a filter for a game; what its guesses think is remembered for the next one on the map."""
+        """Return a filter for a game."""
         others = tuple(name for name in self._families if f"-{name}-" not in person.name)
         if others not in self._drawn:
             drawn_from = [self._families[name] for name in others]
             self._drawn[others] = draw_evenly(drawn_from, np.random.default_rng(0))
-        if self._thoughts is None or self._thoughts.setting is not setting:
-            self._thoughts = Thoughts(setting)
-        rng = np.random.default_rng(1)
-        return PersonFilter(setting, self._drawn[others], rng, thoughts=self._thoughts)
+        return PersonFilter(setting, self._drawn[others], np.random.default_rng(1))
 
 
 def follow(situation: Situation) -> Proposal:  # noqa: ARG001 (a planner's signature)

@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from explicable.errors import PlanError
-from explicable.execution import mind as minds
 from explicable.execution.facts import change_state, correct_model, most_specific
 from explicable.execution.monitor import Command, Event, IllegalEventError, react
 from explicable.execution.notices import Notice, Occurrence
@@ -102,7 +101,7 @@ class Course(Position):
         after = self.truth.after(self.state, action)
         if after is None:
             raise PlanError(f"{format_action(action)} can't be executed there")
-        self.mind = minds.watch(self.setting, self.mind, action, self.state, after)
+        self._thought = self.setting.thoughts.watch(self._thought, action, self.state, after)
         self.state = after
         self.steps.append(LabelledStep(self.setting.problem.agent_of(action).name, action, time=self._time_s))
         self._failures.clear()
@@ -157,7 +156,7 @@ class Course(Position):
         way = self.truth.fulfilment_way(self.state, request)
         if way is None:
             self.refused |= {request.action}
-            self.mind = minds.give_up(self.mind, request)
+            self._thought = self.setting.thoughts.give_up(self._thought, request)
         else:
             self.plan = tuple(self.truth.task.action(operator) for operator in way)
 

@@ -207,14 +207,6 @@ def _best_way(outlook: Outlook, participant: Participant, mind: Mind) -> tuple[i
     return None if waits else outlook.mission_way(mind.state)
 
 
-def forget(setting: Setting, participant: Participant, mind: Mind, rng: "np.random.Generator") -> Mind:
-    """Return the mind after a moment in which each inferred fact may have been forgotten."""
-    if not mind.inferred:
-        return mind
-    kept = [rng.random() < participant.memory for _ in mind.inferred]
-    return mind if all(kept) else keep(setting, mind, kept)
-
-
 def keep(setting: Setting, mind: Mind, kept: Sequence[bool]) -> Mind:
     """Return the mind of whose inferred facts these are kept, in their order, and the others forgotten."""
     state = mind.state

@@ -55,20 +55,26 @@ class Watcher:
         self.name = name
         self.origin: Origin = "simulated"
         self.setting = setting
-        self.mind = Mind(setting.belief.task.initial_state)
+        self._thoughts = setting.thoughts
+        self._thought = self._thoughts.first
+
+    @property
+    def mind(self) -> Mind:
+        """What the person believes."""
+        return self._thought.mind
 
     @property
     def request(self) -> Request | None:
         """The last thing asked for and not got."""
-        return self.mind.request
+        return self._thought.mind.request
 
     def watch(self, action: GroundAtom, before: State, after: State) -> None:
         """See a step of anybody happen."""
-        self.mind = minds.watch(self.setting, self.mind, action, before, after)
+        self._thought = self._thoughts.watch(self._thought, action, before, after)
 
     def give_up(self, request: Request) -> None:
         """Be told that a request can't be fulfilled."""
-        self.mind = minds.give_up(self.mind, request)
+        self._thought = self._thoughts.give_up(self._thought, request)
 
 
 class SimulatedPerson(Watcher):
@@ -98,12 +104,16 @@ class SimulatedPerson(Watcher):
         return minds.choose(self.setting, self.participant, self.mind, self.rng, refused)
 
     def judge(self, action: GroundAtom, state: State) -> bool | None:
-        """Answer by the beliefs before the step, then perhaps learn from it."""
-        self.mind = minds.forget(self.setting, self.participant, self.mind, self.rng)
-        regret = minds.regret(self.setting.belief, self.participant, self.mind, action)
-        if regret > 0:
-            self.mind = minds.infer(self.setting, self.participant, self.mind, state, self.rng)
-        return minds.label_step(self.participant, regret, self.rng)
+        """Answer by the beliefs before the step, which may have been forgotten; then perhaps learn."""
+        thoughts, who, chance = self._thoughts, self.participant, self.rng.random
+        if inferred := self._thought.mind.inferred:
+            kept = tuple([chance() < who.memory for _ in inferred])
+            if not all(kept):
+                self._thought = thoughts.keep(self._thought, kept)
+        regret, error = thoughts.judge(self._thought, who, action, state)
+        if error is not None and chance() < who.learning:
+            self._thought = thoughts.correct(self._thought, error)
+        return minds.label_step(who, regret, self.rng)
 
 
 class ScriptedPerson(Watcher):

@@ -36,8 +36,6 @@ class Position:
         State of the monitor.
     state
         Where the game stands, in the setting's truth.
-    mind
-        What a person may believe who has watched and learnt nothing else; knows the requests.
     plan
         What is left of the plan that the team follows.
     steps
@@ -60,7 +58,7 @@ class Position:
         self.truth = setting.truth
         self.monitor = State.DECIDING
         self.state = self.truth.task.initial_state
-        self.mind = Mind(setting.belief.task.initial_state)
+        self._thought = setting.thoughts.first
         self.plan: Actions = ()
         self.steps: list[LabelledStep] = []
         self.occurrences: list[Occurrence] = []
@@ -75,6 +73,11 @@ class Position:
         self._left_by: dict[str, GroundAtom] = {}  # what lost agents were about
         self._time_s = 0.0
         self._last_robot_step: int | None = None
+
+    @property
+    def mind(self) -> Mind:
+        """What a person may believe who has watched and learnt nothing else; knows the requests."""
+        return self._thought.mind
 
     @property
     def situation(self) -> Situation:

@@ -93,7 +93,7 @@ class PersonFilter:
     lapse
         Probability that the person does what no guess explains, above 0 and below 1.
     thoughts
-        Shared by the filters of games on the same map.
+        What the guesses think, if not what the setting remembers.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class PersonFilter:
             raise UsageError("a filter needs a guess or more, a temperature above 0, a lapse in (0, 1)")
         self.setting, self._rng = setting, rng
         self.temperature, self.lapse = temperature, lapse
-        self._thoughts = thoughts or Thoughts(setting)
+        self._thoughts = thoughts or setting.thoughts
         self._crowd = _Crowd(drawn)
         self._facts_until: list[tuple[float, ...]] = [()] * len(drawn)
         self.thinking = [self._thoughts.first] * len(drawn)

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 from explicable.execution.outlook import Outlook
 from explicable.execution.stage import build_stage, differences, sayable
@@ -10,10 +12,13 @@ from explicable.model.problem import GroundAtom, Problem
 from explicable.model.task import Task
 from explicable.model.team import TeamProblem
 
+if TYPE_CHECKING:
+    from explicable.execution.thoughts import Thoughts
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True)
 class Setting:
-    """Where games of one team problem are played; keep it, since what its outlooks found out is remembered.
+    """Where games of one team problem are played; keep it, since what was found out in a game is remembered.
 
     Parameters
     ----------
@@ -34,6 +39,13 @@ class Setting:
     belief: Outlook
     differing: tuple[GroundAtom, ...]
     same_schemas: bool
+
+    @cached_property
+    def thoughts(self) -> "Thoughts":
+        """What may go on in the heads of all who watch its games."""
+        from explicable.execution.thoughts import Thoughts  # these are of a setting
+
+        return Thoughts(self)
 
 
 def prepare(problem: TeamProblem, observable: Iterable[GroundAtom] = ()) -> Setting:

@@ -1,4 +1,4 @@
-"""What may go on in people's heads, each thought once, for all guesses of a person and all games on a map.
+"""What may go on in people's heads, each thought once, for all who watch games of a setting.
 
 Who thinks the same holds the same `Thought`: a mind, with what was worked out of it so far. So what follows
 from a step that is seen is worked out for one of them, and looked up by all others.
@@ -12,6 +12,7 @@ from explicable.execution.mind import Belief, Mind
 from explicable.execution.participants import Horizon, Participant
 from explicable.execution.setting import Setting
 from explicable.model.problem import GroundAtom
+from explicable.model.requests import Request
 from explicable.model.task import State
 
 MOST_THOUGHTS = 20_000
@@ -50,7 +51,7 @@ class Thought:
 
 
 class Thoughts:
-    """The thoughts of all who watch games of one setting; keep it for the next game.
+    """The thoughts of all who watch games of one setting: those of `Setting.thoughts`.
 
     Parameters
     ----------
@@ -61,7 +62,7 @@ class Thoughts:
     --------
     >>> from explicable.execution import prepare
     >>> from explicable.first_response import World, encode
-    >>> thoughts = Thoughts(prepare(encode(World(("*@*",)))))
+    >>> thoughts = prepare(encode(World(("*@*",)))).thoughts
     >>> list(thoughts.choices(thoughts.first, temperature=1.0, lapse=0.1).values())
     [0.5, 0.5]
     """
@@ -117,13 +118,15 @@ class Thoughts:
             found = thought._choices[temperature, lapse] = self._choose(thought, temperature, lapse)
         return found
 
+    def give_up(self, thought: Thought, request: Request) -> Thought:
+        """Return the thought after it was said that a request can't be fulfilled."""
+        return self._of(minds.give_up(thought.mind, request))
+
     def rest(self, thought: Thought) -> Thought:
         """Return the thought after the request under way was fulfilled by the way that is expected."""
         if thought._rest is None:
-            belief, mind, state = self.setting.belief, thought.mind, thought.mind.state
-            way = belief.fulfilment_way(state, mind.request) if mind.request else None
-            for operator in way or ():
-                state = belief.task.successor(state, operator)
+            belief, mind = self.setting.belief, thought.mind
+            state = belief.fulfilled(mind.state, mind.request) if mind.request else mind.state
             thought._rest = self._of(Mind(state))
         return thought._rest
 
