@@ -9,6 +9,7 @@ so many iterations of L-BFGS, and by so much of a change of each weight.
 """
 
 from collections.abc import Sequence
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from explicable.errors import UsageError
@@ -16,7 +17,7 @@ from explicable.labelling import Labeller
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.minimising import minimise
-from explicable.labelling.sequences import FeatureEncoder, encode_labels
+from explicable.labelling.sequences import EncodedSequences, encode_labels
 from explicable.labelling.training import sequence_loss
 from explicable.model.problem import GroundAtom
 
@@ -85,12 +86,10 @@ def adapt(
         for operator, answer in zip(execution.operators, answers, strict=True)
     ]
     model = labeller.model
-    encoder = FeatureEncoder()
-    encoder.add_all([rows])
-    encoded = encoder.encode(model.feature_names_)
+    seen, encoded = _encode(rows, model.feature_names_)
     known = encode_labels([labels], {label: i for i, label in enumerate(model.classes_)}, encoded.lengths)
-    loss = sequence_loss(encoded, known, len(model.classes_), len(model.feature_names_))
-    start = np.concatenate([model.state_weights_.ravel(), model.transition_weights_.ravel()])
+    loss = sequence_loss(encoded, known, len(model.classes_), len(seen))
+    start = np.concatenate([model.state_weights_[seen].ravel(), model.transition_weights_.ravel()])
     once = np.ones(1)
 
     def objective(change: "NDArray[np.float64]") -> "tuple[float, NDArray[np.float64]]":
@@ -99,11 +98,35 @@ def adapt(
 
     change = minimise(objective, np.zeros_like(start), max_iterations=max_iterations).weights
     weights = start + np.clip(change, -max_change, max_change)
-    num_state = model.state_weights_.size
+    num_seen = len(seen) * len(model.classes_)
+    state_weights = model.state_weights_.copy()
+    state_weights[seen] = weights[:num_seen].reshape(len(seen), -1)
+    transition_weights = weights[num_seen:].reshape(model.transition_weights_.shape)
     adapted = ConditionalRandomField.from_weights(
-        model.classes_,
-        model.feature_names_,
-        weights[:num_state].reshape(model.state_weights_.shape),
-        weights[num_state:].reshape(model.transition_weights_.shape),
+        model.classes_, model.feature_names_, state_weights, transition_weights
     )
     return Labeller(adapted, labeller.bootstrap, labeller.schemas, labeller.summary)
+
+
+def _encode(
+    rows: Sequence[Sequence[str]], feature_names: Sequence[str]
+) -> "tuple[NDArray[np.intp], EncodedSequences]":
+    """Encode one sequence by those features of a model that occur in it; no other weight would change.
+
+    Returns
+    -------
+    tuple of (numbers of the features in the model, encoded sequence)
+    """
+    import numpy as np
+
+    numbers = {name: number for number, name in enumerate(feature_names)}
+    known = [[numbers[name] for name in row if name in numbers] for row in rows]
+    seen, features = np.unique(list(chain.from_iterable(known)), return_inverse=True)
+    encoded = EncodedSequences(
+        row_offsets=np.cumsum([0, *map(len, known)]),
+        row_features=features.astype(np.int32),
+        row_values=np.empty(0),
+        offsets=np.array([0, len(rows)]),
+        position_rows=np.arange(len(rows), dtype=np.int32),
+    )
+    return seen.astype(np.intp), encoded

@@ -7,7 +7,7 @@ step; `cpp/labelling/scorer.cpp` holds the same definitions for that purpose.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from explicable import _core
 from explicable.errors import ResourceError
@@ -184,7 +184,8 @@ class _Walk:
             self.requests = [*others, asked][-MAX_REQUESTS:]
 
 
-def _name(template: str, *values: object) -> str:
+@lru_cache(maxsize=10_000)  # names are few, and asked for at every step
+def _name(template: str, *values: str | int) -> str:
     return TEMPLATES[template].feature(*values)
 
 
