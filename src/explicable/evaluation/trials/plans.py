@@ -117,6 +117,9 @@ class Knowledge:
 EXTRA = 0.05
 """How much dearer than the cheapest plan those with a budget may be: the paper's effect allows no more."""
 
+_PLAYERS = 2**20
+"""Added to a trial's seed: who plays is drawn by a seed that no trial has, and is none of the judges."""
+
 Planner = Callable[[TeamTask, Knowledge], TeamPlan]
 
 PLANNERS: dict[str, Planner] = {
@@ -159,7 +162,7 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
         labeller = train([*traces, *own], settings.symbols, settings.num_copies)
     known = Knowledge(labeller, HumanModel.learn(traces), settings.alpha)
     judges = draw_participants(seed, settings.judges or settings.family, settings.num_judges)
-    player, *_ = draw_participants((seed[0], seed[1] + 2**20), settings.judges or settings.family, 1)
+    player, *_ = draw_participants((seed[0], seed[1] + _PLAYERS), settings.judges or settings.family, 1)
     rows = []
     for held in problems:
         place = _Place(seed, held, judges)
