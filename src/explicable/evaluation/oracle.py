@@ -3,6 +3,7 @@
 import heapq
 import itertools
 import math
+from typing import NamedTuple
 
 from explicable.execution import Proposal, Setting, SimulatedPerson, Situation
 from explicable.execution import mind as minds
@@ -13,6 +14,30 @@ from explicable.model.task import State
 from explicable.search import Outcome
 
 _MAX_EXPANSIONS = 20_000
+
+
+class _Reached(NamedTuple):
+    """A way that waits for its turn.
+
+    Parameters
+    ----------
+    price, number
+        What it goes by; of equal prices the first comes first.
+    is_judged
+        Whether the price has what the participant makes of the last step.
+    state, before
+        Where it leads, and where it led before its last step.
+    mind
+        Of the participant, before the last step.
+    """
+
+    price: float
+    number: int
+    is_judged: bool
+    state: State
+    before: State
+    mind: Mind
+    way: tuple[GroundAtom, ...]
 
 
 class OraclePlanner:
@@ -60,32 +85,36 @@ class OraclePlanner:
             chance.state = before
 
     def _best_way(self, state: State, mind: Mind, request: Request) -> tuple[GroundAtom, ...] | None:
-        """Dijkstra's algorithm over the true states; the mind goes along the best way to each."""
+        """Dijkstra's algorithm over the true states; the mind goes along the best way to each.
+
+        What a participant makes of a step is asked when its turn comes by its cost alone: often it never does.
+        """
         setting, participant = self.setting, self.person.participant
         numbers = itertools.count()
-        # Price, number, state, the state and the mind before the last step, and the way.
-        queue: list[tuple[float, int, State, State, Mind, tuple[GroundAtom, ...]]] = [
-            (0.0, next(numbers), state, state, mind, ())
-        ]
-        least = {state: 0.0}
+        queue = [_Reached(0.0, next(numbers), True, state, state, mind, ())]
+        least: dict[State, tuple[float, int]] = {}
         closed: set[State] = set()
         while queue and len(closed) < _MAX_EXPANSIONS:
-            price, _, here, before, seen, way = heapq.heappop(queue)
-            if way and way[-1] in request.fulfilled_by:
-                return way
-            if here in closed:
+            price, number, is_judged, here, before, seen, way = heapq.heappop(queue)
+            fulfils = bool(way) and way[-1] in request.fulfilled_by
+            if here in closed and not fulfils:
                 continue
+            if not is_judged:
+                held = minds.regret(setting.belief, participant, seen, way[-1])
+                paid = price + self.alpha * (1.0 - minds.acceptance(participant, held))
+                if (paid, number) < least.get(here, (math.inf, 0)) or fulfils:
+                    least[here] = min((paid, number), least.get(here, (math.inf, 0)))
+                    heapq.heappush(queue, _Reached(paid, number, True, here, before, seen, way))
+                continue
+            if fulfils:
+                return way
             closed.add(here)
             if way:
                 seen = minds.watch(setting, seen, way[-1], before, here)
             for action, cost, after in setting.truth.robot_steps(here):
                 if after not in closed:
-                    held = minds.regret(setting.belief, participant, seen, action)
-                    paid = price + cost + self.alpha * (1.0 - minds.acceptance(participant, held))
-                    if paid < least.get(after, math.inf) or action in request.fulfilled_by:
-                        least[after] = min(paid, least.get(after, math.inf))
-                        entry = paid, next(numbers), after, here, seen, (*way, action)
-                        heapq.heappush(queue, entry)
+                    entry = _Reached(price + cost, next(numbers), False, after, here, seen, (*way, action))
+                    heapq.heappush(queue, entry)
         return None
 
     def _after(self, state: State, mind: Mind, action: GroundAtom) -> tuple[State, Mind]:
