@@ -87,7 +87,7 @@ class OraclePlanner:
     def _best_way(self, state: State, mind: Mind, request: Request) -> tuple[GroundAtom, ...] | None:
         """Dijkstra's algorithm over the true states; the mind goes along the best way to each.
 
-        What a participant makes of a step is asked when its turn comes by its cost alone: often it never does.
+        What a participant makes of a step is asked when its turn comes by its cost: often it never does.
         """
         setting, participant = self.setting, self.person.participant
         numbers = itertools.count()

@@ -31,8 +31,7 @@ def compile_scorer(
     weights, own = [], []
     spoken = evidence(model)
     if symbols == "lifted":
-        for feature, weight in spoken.items():
-            code = team.code(feature)
+        for code, weight in zip(team.codes(model.feature_names_), spoken.values(), strict=True):
             if code is not None:
                 weights.append((*code, -weight))
     else:

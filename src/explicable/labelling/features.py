@@ -54,19 +54,15 @@ class TeamFeatures:
         self.tables = _make_tables(team)
         self._goal = team.task.goal
         self._request_facts = self.tables.request_facts
-        self._codes: dict[str, FeatureCode | None] = {}
 
     @cached_property
     def requests(self) -> dict[GroundAtom, Request]:
         """What each human step asks for, by the step."""
         return find_requests(self.team.problem, self.task)
 
-    def code(self, feature: str) -> FeatureCode | None:
-        """Return what `feature_code` does for the schemas of this task; it is asked often."""
-        if feature not in self._codes:
-            schemas = {name: number for number, name in enumerate(self.schemas)}
-            self._codes[feature] = feature_code(feature, schemas, self.tables.max_arity)
-        return self._codes[feature]
+    def codes(self, features: tuple[str, ...]) -> tuple[FeatureCode | None, ...]:
+        """Return what `feature_code` does for each feature and the schemas of this task."""
+        return _codes(features, self.schemas, self.tables.max_arity)
 
     @cached_property
     def choices(self) -> _core.HumanChoices:
@@ -182,6 +178,14 @@ class _Walk:
         if asked >= 0:
             others = (request for request in self.requests if request != asked)
             self.requests = [*others, asked][-MAX_REQUESTS:]
+
+
+@lru_cache(maxsize=16)  # the same for all tasks of a domain
+def _codes(
+    features: tuple[str, ...], schemas: tuple[str, ...], max_arity: int
+) -> tuple[FeatureCode | None, ...]:
+    numbers = {name: number for number, name in enumerate(schemas)}
+    return tuple(feature_code(feature, numbers, max_arity) for feature in features)
 
 
 @lru_cache(maxsize=10_000)  # names are few, and asked for at every step
