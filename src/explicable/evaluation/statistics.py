@@ -7,7 +7,6 @@ over sums), intervals come from a bootstrap that draws problems and participants
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -172,7 +171,7 @@ class Effect:
     num: int
 
 
-def compare_with_gee(counts: dict[str, Counts], reference: str, *, alpha: float = 0.05) -> list[Effect]:
+def compare_with_gee(counts: dict[str, Counts], reference: str) -> list[Effect]:
     """Compare plans by a logistic model of single answers, exchangeable within problems.
 
     Plans all of whose answers are alike are left out: their odds are no number.
@@ -194,32 +193,18 @@ def compare_with_gee(counts: dict[str, Counts], reference: str, *, alpha: float 
     others = [name for name in counts if name != reference and 0 < _ratio(counts[name]) < 1]
     if not others or not 0 < _ratio(counts[reference]) < 1:
         return []
-    answers: list[list[float]] = []
-    groups: list[Any] = []
-    design: list[list[float]] = []
-    for name in [reference, *others]:
-        for part, whole, problem in zip(
-            counts[name].part, counts[name].whole, counts[name].problems, strict=True
-        ):
-            answers.append([part, whole - part])
-            groups.append(problem)
-            design.append([1.0, *(float(name == other) for other in others)])
-    numbers = {group: number for number, group in enumerate(dict.fromkeys(groups))}
-    if len(numbers) < 2:
+    answers, design, groups = _as_regression([counts[name] for name in (reference, *others)])
+    if groups.max() < 1:
         raise UsageError("a comparison needs at least two problems")
-    order = np.argsort([numbers[group] for group in groups], kind="stable")
+    order = np.argsort(groups, kind="stable")  # as the library wants them: one problem after another
     model = GEE(
-        np.array(answers)[order],
-        np.array(design)[order],
-        groups=np.array([numbers[group] for group in groups])[order],
-        family=Binomial(),
-        cov_struct=Exchangeable(),
+        answers[order], design[order], groups=groups[order], family=Binomial(), cov_struct=Exchangeable()
     )
     fitted = model.fit()
     # Where both gave the same answers to everything, nothing varies, and there is no error to divide by.
     is_same = np.abs(fitted.params[1:]) < 1e-12
     corrected = correct_by_holm(np.where(is_same, 1.0, fitted.pvalues[1:]).tolist())
-    ends = np.exp(np.where(is_same[:, None], 0.0, fitted.conf_int(alpha)[1:]))
+    ends = np.exp(np.where(is_same[:, None], 0.0, fitted.conf_int()[1:]))
     return [
         Effect(
             name,
@@ -231,6 +216,17 @@ def compare_with_gee(counts: dict[str, Counts], reference: str, *, alpha: float 
         )
         for k, (name, p) in enumerate(zip(others, corrected, strict=True))
     ]
+
+
+def _as_regression(plans: Sequence[Counts]) -> tuple[_Array, _Array, NDArray[np.int64]]:
+    """Return, by observation: yes and no; a constant, and which of the later plans it is of; its problem."""
+    part = np.concatenate([np.array(plan.part, float) for plan in plans])
+    whole = np.concatenate([np.array(plan.whole, float) for plan in plans])
+    design = np.eye(len(plans)).repeat([len(plan.part) for plan in plans], axis=0)
+    design[:, 0] = 1.0
+    problems = [problem for plan in plans for problem in plan.problems]
+    numbers = _number(problems)
+    return np.column_stack([part, whole - part]), design, np.array([numbers[name] for name in problems])
 
 
 def correct_by_holm(p_values: Sequence[float]) -> list[float]:
