@@ -79,3 +79,14 @@ def test_pipes_and_files_get_what_is_there(task):
     assert NAME in (task / "found").read_text()
     assert explicable("plan", "domain", "problem", cwd=task).out == (task / "found").read_text()
     assert explicable("measure", "domain", "problem", "found", cwd=task).code == SOLVED
+
+
+def test_a_files_name_is_no_markup(tmp_path):
+    settings = "num_traces = 4\nnum_maps = 1\nnum_judges = 1\nplans = ['ff']"
+    text = f"question = '?'\nkind = 'plans'\n[settings]\n{settings}\n"
+    (tmp_path / "odd[b].toml").write_text(text)
+    shown = {"FORCE_COLOR": "1"}  # progress is for terminals
+    command = [sys.executable, "-m", "explicable", "evaluate", "--study", "odd[b].toml", "-o", "out"]
+    done = subprocess.run(command, cwd=tmp_path, env=os.environ | shown, capture_output=True, check=False)
+    assert done.returncode == SOLVED, done.stderr
+    assert b"odd[b]" in done.stderr

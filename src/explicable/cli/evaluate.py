@@ -12,6 +12,7 @@ from explicable.cli import EXIT_TRIALS_FAILED
 from explicable.cli.extras import require
 from explicable.cli.files import INPUT_FILE, OUTPUT_FOLDER
 from explicable.cli.printing import echo
+from explicable.errors import visible
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -111,7 +112,12 @@ def _progress(num_trials: int) -> "AbstractContextManager[Tell]":
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
 
     @contextmanager
     def shown() -> "Iterator[Tell]":
@@ -121,7 +127,7 @@ def _progress(num_trials: int) -> "AbstractContextManager[Tell]":
 
             def tell(name: str, num_done: int, _: int) -> None:
                 done[name] = num_done
-                progress.update(bar, description=name, completed=sum(done.values()))
+                progress.update(bar, description=visible(name), completed=sum(done.values()))
 
             yield tell
 
