@@ -3,7 +3,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <cstring>
 #include <iterator>
 #include <limits>
 #include <new>
@@ -11,10 +10,11 @@
 
 #include "bindings/bindings.hpp"
 #include "bindings/callback_scorer.hpp"
+#include "bindings/core_costs_to_go.hpp"
 #include "bindings/core_task.hpp"
+#include "bindings/questions.hpp"
 #include "search/counting_scorer.hpp"
 #include "search/heuristics.hpp"
-#include "search/plan_check.hpp"
 #include "search/plan_improvement.hpp"
 #include "search/relaxed_plan.hpp"
 #include "search/solve.hpp"
@@ -24,30 +24,10 @@ namespace {
 
 using namespace explicable;
 
-// Copied, since bytes need not be aligned; refuses values that no variable of this task has.
-State state_of(const CoreTask& task, const nb::bytes& bytes) {
-    std::vector<Word> words(task.packer.num_words());
-    if (bytes.size() != words.size() * sizeof(Word)) throw std::invalid_argument("not a state of this task");
-    if (!words.empty()) std::memcpy(words.data(), bytes.c_str(), bytes.size());
-    State state = task.packer.unpack(words.data());
-    for (VariableId variable = 0; variable < task.num_variables(); ++variable) {
-        if (state.values[variable] > std::ssize(task.variable_facts[variable])) {
-            throw std::invalid_argument("not a state of this task");
-        }
-    }
-    return state;
-}
-
 State initial_state(const Task& task) {
     State state{std::vector<std::int32_t>(task.num_variables(), 0)};
     for (const FactId fact : task.initial) state.values[task.fact_variable[fact]] = task.fact_value[fact];
     return state;
-}
-
-void check_goal(const Task& task, const std::vector<FactId>& goal) {
-    for (const FactId fact : goal) {
-        if (fact < 0 || fact >= task.num_facts()) throw nb::index_error("no such fact");
-    }
 }
 
 Preferred preferred_of(const std::string& name) {
@@ -75,13 +55,6 @@ bool is_to_end(const nb::callable& interrupted) {
         return true;
     }
     return nb::cast<bool>(interrupted());
-}
-
-void check_plan(const Question& question, const std::vector<OperatorId>& plan) {
-    for (const OperatorId step : plan) {
-        if (step < 0 || step >= question.task.num_operators()) throw std::invalid_argument("no such operator");
-    }
-    if (!execute_plan(question.task, question.initial, question.goal, plan)) throw std::invalid_argument("not a plan of this task");
 }
 
 SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initial,
@@ -125,39 +98,6 @@ SearchAnswer search(const CoreTask& task, const std::optional<nb::bytes>& initia
     const Question question(task.prepared, std::move(start), goal);
     for (const auto& plan : known_plans) check_plan(question, plan);
     return solve(question, options, monitor);
-}
-
-// A cheapest way and the states along it, the first included; no states where no way leads to the goal, nothing where a limit
-// ends the search. For those who ask often, and for ways that are soon found: it can't be interrupted.
-using Way = std::pair<std::vector<OperatorId>, std::vector<nb::bytes>>;
-
-std::optional<Way> cheapest_way(const CoreTask& task, const nb::bytes& from, const std::vector<FactId>& goal, std::int64_t max_evaluations,
-                                std::size_t memory_limit_bytes) {
-    check_goal(task, goal);
-    if (task.prepared.estimated_bytes() > memory_limit_bytes) return std::nullopt;
-    const Question question(task.prepared, state_of(task, from), goal);
-    Limits limits;
-    limits.evaluations = max_evaluations;
-    limits.memory_bytes = memory_limit_bytes;
-    const auto answer = [&] {
-        const nb::gil_scoped_release released;
-        return task.ways.find(question, limits);
-    }();
-    if (!answer.is_known) return std::nullopt;
-    if (!answer.plan) return Way{};
-    std::vector<Word> words(task.packer.num_words()), next(words.size());
-    task.packer.pack(question.initial, words.data());
-    Way way;
-    const auto keep = [&] { way.second.emplace_back(words.data(), words.size() * sizeof(Word)); };
-    keep();
-    for (const OperatorId step : *answer.plan) {
-        if (task.operator_schema[step] == auxiliary) continue;  // it stands for a disjunctive goal
-        apply(task, task.packer, step, words.data(), next.data());
-        std::swap(words, next);
-        way.first.push_back(step);
-        keep();
-    }
-    return way;
 }
 
 // The question that a plan answers.
@@ -249,7 +189,12 @@ void bind_search(nb::module_& module) {
                "heuristic"_a, "preferred"_a, "lookahead"_a, "weight"_a, "seed"_a, "scorer"_a.none(), "closing"_a, "alpha"_a,
                "ratio"_a, "max_cost"_a.none(), "known_plans"_a, "gap"_a, "on_better"_a.none(), "interrupted"_a, "time_limit_s"_a, "memory_limit_bytes"_a.none(),
                "max_evaluations"_a.none());
-    module.def("cheapest_way", &cheapest_way, "task"_a, "initial"_a, "goal"_a, "max_evaluations"_a, "memory_limit_bytes"_a);
+    nb::class_<CoreCostsToGo>(module, "CostsToGo", "Exact costs-to-go, found out and remembered.")
+        .def(nb::init<const CoreTask&, std::size_t>(), "task"_a, "most"_a, nb::keep_alive<1, 2>())
+        .def("cost", &CoreCostsToGo::cost, "state"_a, "goal"_a, "by"_a = -1)
+        .def("first", &CoreCostsToGo::first, "state"_a, "goal"_a, "by"_a = -1)
+        .def("way", &CoreCostsToGo::way, "state"_a, "goal"_a, "by"_a = -1)
+        .def("learn", &CoreCostsToGo::learn, "state"_a, "goal"_a, "way"_a.none());
     module.def("eliminate_actions", &eliminated, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a);
     module.def("search_neighbourhood", &neighbouring, "task"_a, "initial"_a.none(), "goal"_a, "plan"_a,
                "max_transitions"_a);

@@ -142,10 +142,15 @@ def search(
     memory_limit_bytes: int | None,
     max_evaluations: int | None,
 ) -> SearchAnswer: ...
-def cheapest_way(
-    task: Task, initial: bytes, goal: Sequence[int], max_evaluations: int, memory_limit_bytes: int
-) -> tuple[list[int], list[bytes]] | None:
-    """Give a way and the states along it; no states where there is no way, None where a limit was reached."""
+
+class CostsToGo:
+    """Costs-to-go from a state, or from what operator ``by`` makes of it; None where a limit was met."""
+
+    def __init__(self, task: Task, most: int) -> None: ...
+    def cost(self, state: bytes, goal: Sequence[int], by: int = -1) -> float | None: ...
+    def first(self, state: bytes, goal: Sequence[int], by: int = -1) -> int | None: ...
+    def way(self, state: bytes, goal: Sequence[int], by: int = -1) -> list[int] | None: ...
+    def learn(self, state: bytes, goal: Sequence[int], way: Sequence[int] | None) -> None: ...
 
 def eliminate_actions(
     task: Task, initial: bytes | None, goal: Sequence[int], plan: Sequence[int]

@@ -48,7 +48,7 @@ def test_what_is_remembered_is_what_a_fresh_search_finds(monkeypatch, most):
         outlook = prepare(problem).belief
         task, rng, state = outlook.task, np.random.default_rng(0), outlook.task.initial_state
         for _ in range(40):
-            start = outlook.stage.with_humans(state)
+            start = task.successor(state, outlook.stage.settle)
             fresh = search(task, "astar", initial_state=start)
             assert outlook.mission_cost(state) == (math.inf if fresh.cost is None else fresh.cost)
             way = outlook.mission_way(state)
@@ -62,30 +62,13 @@ def test_what_is_remembered_is_what_a_fresh_search_finds(monkeypatch, most):
             state = task.successor(state, operator)
 
 
-def test_what_is_known_leads_to_the_goal_at_any_moment():
-    """A planner in the background looks while the game finds something out."""
-    outlook = prepare(hospital()).truth
-
-    class Watched(dict):
-        def setdefault(self, key, value):
-            state, goal = key
-            if value.operator is not None:
-                assert outlook.task.successor(state, value.operator) == value.after
-                assert (value.after, goal) in self
-            return super().setdefault(key, value)
-
-    outlook.ahead._known = Watched()
-    assert outlook.mission_way(outlook.task.initial_state)
-    assert len(outlook.ahead._known) > 3
-
-
 @pytest.mark.parametrize("semantics", ["persistent", "exclusive"])
 def test_a_tour_of_all_rooms_is_what_the_mission_costs_a_robot_that_searches_alone(semantics):
     for seed in range(4):
         world = generate(np.random.default_rng(seed), height=5, width=5, num_marks=4)
         outlook = prepare(encode(world, semantics)).belief
         task = outlook.task
-        start = outlook.stage.with_humans(task.initial_state)
+        start = task.successor(task.initial_state, outlook.stage.settle)
         tour = _core.heuristic_value(task.core, start, list(task.goal), "tour")
         exact = search(task, "astar", initial_state=start, heuristic="lmcut").cost
         assert tour == exact == outlook.mission_cost(task.initial_state)

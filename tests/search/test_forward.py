@@ -13,7 +13,7 @@ from explicable.errors import UsageError
 from explicable.first_response import encode, generate
 from explicable.model.grounding import ground
 from explicable.model.problem import ActionSchema, And, Atom, Domain, Effect, Predicate, Problem
-from explicable.search import Outcome, find_way, search
+from explicable.search import CostsToGo, Outcome, search
 from oracles.tiny_tasks import INFINITY, optimal_cost
 
 ALGORITHMS = ("default", "ff", "lazy", "eager", "bfws", "astar", "wastar", "anytime")
@@ -60,13 +60,19 @@ def test_astar_and_anytime_find_the_optimum(tiny, heuristic):
 def test_a_way_is_the_plan_that_the_search_with_a_tour_finds(tiny):
     task = ground(tiny.problem())
     plan = search(task, "astar", heuristic="tour", goal=task.goal)
-    way = find_way(task, task.initial_state, task.goal)
+    ahead, state = CostsToGo(task), task.initial_state
     if plan.operators is None:
-        assert not way.states
-    else:
-        assert tuple(way.operators) == plan.operators
-        assert tuple(way.states) == task.execute(map(task.action, plan.operators)).states
-    assert plan.evaluations < 2 or find_way(task, task.initial_state, task.goal, max_evaluations=1) is None
+        assert ahead.way(state, task.goal) is ahead.first(state, task.goal) is None
+        assert ahead.cost(state, task.goal) == INFINITY
+        return
+    assert tuple(ahead.way(state, task.goal)) == plan.operators
+    rest = plan.cost
+    for number, operator in enumerate(plan.operators):
+        assert ahead.cost(state, task.goal) == rest
+        assert ahead.first(state, task.goal) == operator
+        assert tuple(ahead.way(state, task.goal, operator)) == plan.operators[number + 1 :]
+        state, rest = task.successor(state, operator), rest - task.cost(operator)
+    assert (ahead.cost(state, task.goal), ahead.first(state, task.goal)) == (0, None)
 
 
 @pytest.mark.parametrize("semantics", ["persistent", "exclusive"])
@@ -78,9 +84,8 @@ def test_ways_on_a_floor_plan_are_those_of_a_fresh_search_whatever_was_asked_bef
         state = task.successor(state, int(rng.choice(task.applicable(state))))
         for goal in (task.goal, goals[rng.integers(len(goals))]):
             plan = search(task, "astar", heuristic="tour", initial_state=state, goal=goal)
-            way = find_way(task, state, goal)
-            assert tuple(way.operators) == (plan.operators or ())
-            assert (plan.outcome is Outcome.SOLVED) == bool(way.states)
+            way = CostsToGo(task).way(state, goal)
+            assert (None if way is None else tuple(way)) == plan.operators
 
 
 @given(tiny_tasks(), st.frozensets(st.integers(0, 5), max_size=2))

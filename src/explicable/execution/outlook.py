@@ -4,13 +4,14 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from explicable.execution.costs_to_go import CostsToGo, Goal
+from explicable.execution import remembering
 from explicable.execution.remembering import remember
 from explicable.execution.stage import Stage
 from explicable.model.problem import GroundAtom
 from explicable.model.requests import Request, find_requests
 from explicable.model.task import State
 from explicable.model.team import TeamProblem
+from explicable.search import CostsToGo, Goal
 
 _NO_END = math.inf, -1, ()
 
@@ -37,7 +38,7 @@ class Outlook:
     fulfilling
         The robots' steps that fulfil any request.
     ahead
-        Costs-to-go from states that a search can begin in (`Stage.with_humans`, `Stage.robots_alone`).
+        Costs-to-go, by one of the stage's operators that settle a state to search from.
     """
 
     def __init__(self, problem: TeamProblem, stage: Stage) -> None:
@@ -46,7 +47,7 @@ class Outlook:
         self.task = stage.task
         self.requests = find_requests(problem, stage.task)
         self.fulfilling = frozenset().union(*(request.fulfilled_by for request in self.requests.values()))
-        self.ahead = CostsToGo(stage.task)
+        self.ahead = CostsToGo(stage.task, remembering.MOST_REMEMBERED)
         self._steps: dict[tuple[State, GroundAtom], tuple[int, State] | None] = {}
         self._robot_steps: dict[State, tuple[tuple[GroundAtom, int, State], ...]] = {}
         self._is_goal: dict[State, bool] = {}
@@ -155,10 +156,10 @@ class Outlook:
         achieved = {fact for end in self._ends[request.action] for fact in end.adds}
         if not achieved.isdisjoint(self.task.goal):
             return not achieved.isdisjoint(lacking)
-        cost = self.ahead.cost
-        unasked, when_asked = self.stage.robots_alone(state), self.stage.robots_alone(asked)
+        cost, alone = self.ahead.cost, self.stage.settle_alone
         return any(
-            cost(unasked, (fact,)) == math.inf and cost(when_asked, (fact,)) < math.inf for fact in lacking
+            cost(state, (fact,), alone) == math.inf and cost(asked, (fact,), alone) < math.inf
+            for fact in lacking
         )
 
     def fulfilment_cost(self, state: State, request: Request) -> float:
@@ -170,14 +171,14 @@ class Outlook:
         cost, wanted, needs = self._fulfilment(state, request)
         if cost == math.inf:
             return None
-        return (*(self.ahead.way(self.stage.robots_alone(state), needs) or ()), wanted)
+        return (*(self.ahead.way(state, needs, self.stage.settle_alone) or ()), wanted)
 
     def next_operator(self, state: State, request: Request) -> int | None:
         """Return the first operator of `fulfilment_way`, without walking the rest."""
         cost, wanted, needs = self._fulfilment(state, request)
         if cost == math.inf:
             return None
-        first = self.ahead.first(self.stage.robots_alone(state), needs)
+        first = self.ahead.first(state, needs, self.stage.settle_alone)
         return wanted if first is None else first
 
     def fulfilled(self, state: State, request: Request) -> State:
@@ -191,20 +192,21 @@ class Outlook:
 
     def mission_cost(self, state: State) -> float:
         """Return what it costs the team to reach its goal."""
-        return self.ahead.cost(self.stage.with_humans(state), self.task.goal)
+        return self.ahead.cost(state, self.task.goal, self.stage.settle)
 
     def mission_way(self, state: State) -> tuple[int, ...] | None:
         """Return a best way for the team to reach its goal."""
-        return self.ahead.way(self.stage.with_humans(state), self.task.goal)
+        way = self.ahead.way(state, self.task.goal, self.stage.settle)
+        return None if way is None else tuple(way)
 
     def _fulfilment(self, state: State, request: Request) -> tuple[float, int, Goal]:
         """Return the cost of a best way, the operator at its end, and what that one needs."""
         key = state, request.action
         found = self._fulfilments.get(key)
         if found is None:
-            alone, cost = self.stage.robots_alone(state), self.ahead.cost
+            cost, alone = self.ahead.cost, self.stage.settle_alone
             ends = self._ends.get(request.action, ())  # another model's request may be beyond this one
-            ways = ((cost(alone, end.needs) + end.cost, end.operator, end.needs) for end in ends)
+            ways = [(cost(state, end.needs, alone) + end.cost, end.operator, end.needs) for end in ends]
             found = remember(self._fulfilments, key, min(ways, default=_NO_END))
         return found
 

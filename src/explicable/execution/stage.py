@@ -35,6 +35,9 @@ class Stage:
         The grounded task, extra facts and operators included.
     beliefs
         The facts that can be flipped, each with its operators (believe, doubt).
+    settle, settle_alone
+        The operators that lead from any state to the one to search from, where the whole team acts, or robots
+        alone.
     """
 
     task: Task
@@ -56,14 +59,6 @@ class Stage:
             if (atom if true else atom[1:]) in self.beliefs:
                 needs.append((atom if true else atom[1:], true))
         return tuple(needs)
-
-    def with_humans(self, state: State) -> State:
-        """Return the state to search from where the whole team acts."""
-        return self.task.successor(state, self.settle)
-
-    def robots_alone(self, state: State) -> State:
-        """Return the state to search from where only robots act."""
-        return self.task.successor(state, self.settle_alone)
 
 
 def differences(problem: TeamProblem) -> tuple[GroundAtom, ...]:
