@@ -52,11 +52,16 @@ class Outlook:
         self._robot_steps: dict[State, tuple[tuple[GroundAtom, int, State], ...]] = {}
         self._is_goal: dict[State, bool] = {}
         self._stands: dict[tuple[State, frozenset[GroundAtom]], bool] = {}
+        self._permits: dict[frozenset[GroundAtom], list[Goal]] = {}
         self._ranked: dict[State, tuple[tuple[float, int], ...]] = {}
         self._fulfilments: dict[tuple[State, GroundAtom], tuple[float, int, Goal]] = {}
         self._fulfilled: dict[tuple[State, GroundAtom], State] = {}
         self._ends = {action: self._ends_of(request) for action, request in self.requests.items()}
         actions = [(operator, self.task.action(operator)) for operator in range(self.task.num_operators)]
+        self._operators: dict[GroundAtom, list[int]] = {}
+        for operator, action in actions:
+            if action:
+                self._operators.setdefault(action, []).append(operator)
         self._asks = [
             (operator, self.requests[action]) for operator, action in actions if action in self.requests
         ]
@@ -74,10 +79,10 @@ class Outlook:
         try:
             return self._steps[key]
         except KeyError:
-            is_applicable, step = self.task.core.is_applicable, None
-            for operator in self.task.operators_of(action):
-                if is_applicable(state, operator):
-                    step = operator, self.task.successor(state, operator)
+            core, step = self.task.core, None
+            for operator in self._operators.get(action, ()):
+                if core.is_applicable(state, operator):
+                    step = operator, State(core.successor(state, operator))
                     break
             return remember(self._steps, key, step)
 
@@ -122,9 +127,24 @@ class Outlook:
         key = state, request.permits
         known = self._stands.get(key)
         if known is None:
-            known = any(self.task.holds(permit, state) for permit in request.permits)
+            holds = self.task.core.holds
+            known = any(holds(state, permit) for permit in self._permits_of(request))
             remember(self._stands, key, known)
         return known
+
+    def _permits_of(self, request: Request) -> list[Goal]:
+        """Return what a request's permits ask to hold: nothing, where one of them always holds."""
+        permits = self._permits.get(request.permits)
+        if permits is None:
+            task, permits = self.task, []
+            for atom in request.permits:
+                fact = task.fact_number(atom)
+                if fact is not None:
+                    permits.append((fact,))
+                elif task.holds(atom, task.initial_state):
+                    permits.append(())
+            self._permits[request.permits] = permits
+        return permits
 
     def ranked_asks(self, state: State) -> tuple[tuple[float, int], ...]:
         """Rank the human operators that are applicable and ask for something the goal still lacks.

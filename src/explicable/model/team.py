@@ -87,8 +87,10 @@ class TeamProblem:
 
     def agent_of(self, action: GroundAtom) -> Agent:
         """Who executes an action: its first argument if that is an agent, else the (first) robot."""
-        agent = self._agent_by_name.get(action[1]) if len(action) > 1 else None
-        return agent or self._first_robot
+        try:
+            return self._agent_by_name[action[1]]
+        except (IndexError, KeyError):
+            return self._first_robot
 
     @cached_property
     def _first_robot(self) -> Agent:
