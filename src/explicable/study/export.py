@@ -8,7 +8,6 @@ import hashlib
 import json
 import os
 import shutil
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from datetime import UTC, datetime
@@ -61,7 +60,8 @@ def export(tx: Transaction, materials: Materials, output: Path) -> dict[str, int
     if output.exists() and (not output.is_dir() or any(output.iterdir())):
         raise UsageError(f"{output} is not an empty folder: an export never overwrites another")
     output.parent.mkdir(parents=True, exist_ok=True)
-    aside = Path(tempfile.mkdtemp(dir=output.parent, prefix=".explicable."))
+    aside = output.parent / f".explicable.{os.urandom(8).hex()}"
+    aside.mkdir()
     try:
         counts, columns = {}, {}
         for table in TABLES:
@@ -73,9 +73,6 @@ def export(tx: Transaction, materials: Materials, output: Path) -> dict[str, int
         (aside / "study.toml").write_bytes((materials.folder / "study.toml").read_bytes())
         _write_json(aside / "dataset_description.json", _description(materials, columns))
         _write_json(aside / "checksums.json", {"rows": counts, "sha256": _checksums(aside)})
-        umask = os.umask(0)
-        os.umask(umask)
-        aside.chmod(0o777 & ~umask)
         if output.exists():
             output.rmdir()
         aside.rename(output)
