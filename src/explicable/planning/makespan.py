@@ -180,6 +180,15 @@ def schedule_plan(
     people, and what the plan does after it starts after it; each step is labelled as by people who know what
     has been told by its start.
 
+    Parameters
+    ----------
+    actions
+        A sequence that the composite task allows; it need not reach the goal.
+    durations, alpha
+        As in `plan_schedule`.
+    tellings
+        What the person is told, in order; see `part_tellings`.
+
     Raises
     ------
     PlanError

@@ -168,6 +168,13 @@ def plan_as_in_paper(
 
     Eq. 4 in enforced hill-climbing and then in best-first search, steps counted by their most probable
     labels, states closed alone, and the first plan is the answer.
+
+    Parameters
+    ----------
+    time_limit_s, memory_limit_bytes, max_evaluations
+        As in `explicable.search.search`.
+    seed
+        Breaks ties.
     """
     return plan_explicably(
         team_task,

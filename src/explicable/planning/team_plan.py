@@ -109,7 +109,22 @@ def best_plan(
     charged: "tuple[HumanModel, float] | None" = None,
     features: "TeamFeatures | None" = None,
 ) -> TeamPlan:
-    """Choose the best of several searches' plans by ``J``."""
+    """Choose the best of several searches' plans by ``J``.
+
+    Parameters
+    ----------
+    results
+        In the order of the searches: the last one's bound counts, and of plans with the same ``J`` its own.
+        Nothing before a search that proved its plan best is looked at.
+    labeller
+        Labels the plans; without one ``J`` is the cost.
+    alpha
+        Price of one inexplicable step, in the unit of cost.
+    charged
+        What people choose, and the price, in the unit of cost, of a nat of surprise at what they have to do.
+    features
+        What the labeller sees of the task, if that was made before.
+    """
     chosen: tuple[float, JointPlan, LabelledPlan | None, PredictedSteps | None] | None = None
     for result in reversed(results):
         if result.operators is not None:

@@ -27,6 +27,9 @@ from explicable.planning import TeamPlan, plan_classically
 
 TRAINING, TESTING, JUDGING, PLAYING, LABELLING = range(5)
 """Streams of chance of one trial: the seed's third number."""
+_JUDGES, _LABELLERS = 1000, 2000
+"""Participants who judge plans, or label them, are counted from these on: who plays has a lower number."""
+_NUM_LABELLERS = 8
 
 
 def training_traces(
@@ -90,10 +93,20 @@ def label_plans(
 
     Games in which the robot follows the person show only a part of what a planner may think of. Each of up to
     eight participants labels the plans of two problems, or, if there is but one, the two plans for it.
+
+    Parameters
+    ----------
+    seed
+        Of the trial.
+    labeller
+        For the explicable plans.
+    num
+        Traces wanted; a problem without a plan gives none.
     """
     traces = []
+    who = find_family(family)
     people = [
-        find_family(family).draw(2000 + k, np.random.default_rng((*seed, LABELLING, k))) for k in range(8)
+        who.draw(_LABELLERS + k, np.random.default_rng((*seed, LABELLING, k))) for k in range(_NUM_LABELLERS)
     ]
     num_each = 4 if len(problems) > 1 else 2
     plans: dict[tuple[int, bool], TeamPlan] = {}
@@ -140,7 +153,7 @@ def find_family(name: str) -> Family:
 def draw_participants(seed: tuple[int, int], family: str, num: int) -> list[Participant]:
     """Draw participants who have had no part in training."""
     rng = np.random.default_rng((*seed, JUDGING))
-    return [find_family(family).draw(1000 + number, rng) for number in range(num)]
+    return [find_family(family).draw(_JUDGES + number, rng) for number in range(num)]
 
 
 def maps_to_plan(seed: tuple[int, int], num_generated: int, side: int = 6) -> Iterator[tuple[str, World]]:
