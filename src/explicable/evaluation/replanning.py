@@ -16,7 +16,6 @@ from itertools import pairwise
 from typing import Protocol
 
 from explicable.execution import Course, PersonFilter, Proposal, Situation, adapt, num_changes
-from explicable.execution.monitor import Event
 from explicable.execution.remembering import remember
 from explicable.labelling import Labeller
 from explicable.labelling.features import TeamFeatures
@@ -243,28 +242,30 @@ class LearningPlanner:
         self, planner: ExplicablePlanner, person: PersonFilter | None = None, *, adapts: bool = True
     ) -> None:
         self.planner, self.person, self.adapts = planner, person, adapts
-        self._answers: dict[int, bool | None] = {}
-        self._num_steps = self._num_heeded = 0
+        self._course: Course | None = None
+        self._num_heeded = 0
         planner.foresight = person
 
     def see(self, course: Course) -> None:
-        """Take in what has happened."""
-        self._num_steps = len(course.steps)
-        if self.adapts and course.occurrences[-1].event is Event.ANSWER_GIVEN:
-            self._answers[self._num_steps - 1] = course.steps[-1].is_explicable
+        """Look on at the game that is planned for."""
+        self._course = course
         if self.person is not None:
             self.person.see(course)
 
     def __call__(self, situation: Situation) -> Proposal:
         """Plan from here on."""
-        since = self._num_steps - len(situation.past)
-        answers = [self._answers.get(number) for number in range(since, self._num_steps)]
+        if self.adapts and self._course is not None:
+            self._adapt(situation, self._course)
+        return self.planner(situation)
+
+    def _adapt(self, situation: Situation, course: Course) -> None:
+        since = len(course.steps) - len(situation.past)
+        answers = [step.is_explicable for step in course.steps[since:]]
         game = self.planner.game(situation)
         news = range(max(self._num_heeded - since, 0), len(answers))
         if any(answers[number] == game.seems_inexplicable(number) for number in news):
             self.planner.judge = adapt(self.planner.labeller, game.features, situation.past, answers)
-        self._num_heeded = self._num_steps
-        return self.planner(situation)
+        self._num_heeded = len(course.steps)
 
 
 class LabelledGame:

@@ -94,13 +94,6 @@ class PersonFilter:
         Probability that the person does what no guess explains, above 0 and below 1.
     thoughts
         What the guesses think, if not what the setting remembers.
-
-    Attributes
-    ----------
-    thinking
-        What each of the participants would believe now.
-    weights
-        How probable it is that the person is they; float64.
     """
 
     def __init__(
@@ -121,32 +114,43 @@ class PersonFilter:
         self._thoughts = thoughts or setting.thoughts
         self._crowd = _Crowd(drawn)
         self._facts_until: list[tuple[float, ...]] = [()] * len(drawn)
-        self.thinking = [self._thoughts.first] * len(drawn)
-        self.weights = np.full(len(drawn), 1.0 / len(drawn))
+        self._thinking = [self._thoughts.first] * len(drawn)
+        self._weights = np.full(len(drawn), 1.0 / len(drawn))
         self._judged = [Judgement(0.0, None)] * len(drawn)  # of the last robot step, by beliefs before it
+        self._course: Course | None = None
         self._num_seen = self._num_judged = 0
         self._state = setting.truth.task.initial_state
 
     @property
     def participants(self) -> tuple[Participant, ...]:
         """Whom the person may be, by now."""
+        self._catch_up()
         return self._crowd.participants
 
     def see(self, course: Course) -> None:
-        """Take in what has happened since the last time; give it to `run` as ``watch``."""
-        for occurrence in course.occurrences[self._num_seen :]:
-            if not occurrence.refusal:
-                self._take_in(occurrence)
-            self._state = occurrence.game_state
-        self._num_seen = len(course.occurrences)
+        """Look on at a game; give it to `run` as ``watch``. What it tells is worked out when asked for."""
+        self._course = course
+
+    @property
+    def thinking(self) -> tuple[Thought, ...]:
+        """What each of the participants would believe now."""
+        self._catch_up()
+        return tuple(self._thinking)
+
+    @property
+    def weights(self) -> "NDArray[np.float64]":
+        """How probable it is that the person is this or that participant."""
+        self._catch_up()
+        return self._weights
 
     def predict(self) -> Mapping[GroundAtom, float]:
         """Return the probability of each request that the person may make next.
 
         Empty if nothing is left to ask for. A request under way is taken to be fulfilled before that.
         """
+        self._catch_up()
         weights: dict[Thought, float] = {}
-        for thought, weight in zip(self.thinking, self.weights.tolist(), strict=True):
+        for thought, weight in zip(self._thinking, self._weights.tolist(), strict=True):
             weights[thought] = weights.get(thought, 0.0) + weight
         chances: dict[GroundAtom, float] = {}
         for thought, weight in weights.items():
@@ -157,10 +161,19 @@ class PersonFilter:
     def families(self) -> dict[str, float]:
         """Return the probability of each family, by the names of its participants."""
         found: dict[str, float] = {}
-        for participant, weight in zip(self.participants, self.weights.tolist(), strict=True):
+        for participant, weight in zip(self.participants, self._weights.tolist(), strict=True):
             name = participant.name.rsplit("-", 1)[0]
             found[name] = found.get(name, 0.0) + weight
         return found
+
+    def _catch_up(self) -> None:
+        """Take in what has happened since the last time."""
+        news = self._course.occurrences[self._num_seen :] if self._course else ()
+        for occurrence in news:
+            if not occurrence.refusal:
+                self._take_in(occurrence)
+            self._state = occurrence.game_state
+        self._num_seen += len(news)
 
     def _take_in(self, occurrence: Occurrence) -> None:
         event, action, after = occurrence.event, occurrence.notice.action, occurrence.game_state
@@ -171,30 +184,30 @@ class PersonFilter:
             self._hear(explicable=occurrence.notice.answer)
         elif event is Event.PERSON_COMMANDED and after != self._state:
             if action in self.setting.belief.requests:
-                self._weigh(np.array([self._choices(t).get(action, self.lapse) for t in self.thinking]))
+                self._weigh(np.array([self._choices(t).get(action, self.lapse) for t in self._thinking]))
             self._watch(action, after)
 
     def _watch(self, action: GroundAtom, after: State) -> None:
         """Let all guesses see a step."""
         watch, before = self._thoughts.watch, self._state
-        then = {thought: watch(thought, action, before, after) for thought in set(self.thinking)}
-        self.thinking = [then[thought] for thought in self.thinking]
+        then = {thought: watch(thought, action, before, after) for thought in set(self._thinking)}
+        self._thinking = [then[thought] for thought in self._thinking]
 
     def _think(self, action: GroundAtom) -> None:
         """Let all guesses judge a robot step and perhaps learn from it, as simulated participants do."""
         self._num_judged += 1
         self._forget()
         judge, judges, truth = self._thoughts.judge, self._crowd.judges, self._state
-        pairs = list(zip(self.thinking, self._crowd.ways, strict=True))
+        pairs = list(zip(self._thinking, self._crowd.ways, strict=True))
         judged = {pair: judge(pair[0], judges[pair[1]], action, truth) for pair in set(pairs)}
         self._judged = [judged[pair] for pair in pairs]
         if any(judgement.error is not None for judgement in judged.values()):
             self._learn()
 
     def _learn(self) -> None:
-        for number, (who, (_, error)) in enumerate(zip(self.participants, self._judged, strict=True)):
+        for number, (who, (_, error)) in enumerate(zip(self._crowd.participants, self._judged, strict=True)):
             if error is not None and self._rng.random() < who.learning:
-                self.thinking[number] = self._thoughts.correct(self.thinking[number], error)
+                self._thinking[number] = self._thoughts.correct(self._thinking[number], error)
                 self._facts_until[number] += (self._forgotten_at(who),)
 
     def _forgotten_at(self, who: Participant) -> float:
@@ -206,7 +219,7 @@ class PersonFilter:
         for number, until in enumerate(self._facts_until):
             if until and now in until:
                 kept = tuple([end != now for end in until])
-                self.thinking[number] = self._thoughts.keep(self.thinking[number], kept)
+                self._thinking[number] = self._thoughts.keep(self._thinking[number], kept)
                 self._facts_until[number] = tuple(itertools.compress(until, kept))
 
     def _choices(self, thought: Thought) -> Mapping[GroundAtom, float]:
@@ -221,22 +234,24 @@ class PersonFilter:
             self._weigh(self.lapse + (1.0 - 2.0 * self.lapse) * meant)
 
     def _weigh(self, likelihoods: "NDArray[np.float64]") -> None:
-        self.weights = self.weights * likelihoods
-        self.weights /= self.weights.sum()
-        if 1.0 / (self.weights @ self.weights) < len(self.weights) / 2:
+        self._weights = self._weights * likelihoods
+        self._weights /= self._weights.sum()
+        if 1.0 / (self._weights @ self._weights) < len(self._weights) / 2:
             self._draw_anew()
 
     def _draw_anew(self) -> None:
         """Draw guesses by their weights, evenly spaced; all weigh alike then."""
-        number = len(self.weights)
+        number = len(self._weights)
         marks = (np.arange(number) + self._rng.random()) / number
-        drawn = np.minimum(np.searchsorted(np.cumsum(self.weights), marks, side="right"), number - 1).tolist()
-        self._crowd = _Crowd(tuple([self.participants[guess] for guess in drawn]))
-        self.thinking = [self.thinking[guess] for guess in drawn]
+        drawn = np.minimum(
+            np.searchsorted(np.cumsum(self._weights), marks, side="right"), number - 1
+        ).tolist()
+        self._crowd = _Crowd(tuple([self._crowd.participants[guess] for guess in drawn]))
+        self._thinking = [self._thinking[guess] for guess in drawn]
         self._judged = [self._judged[guess] for guess in drawn]
         # Copies of a guess go their own ways.
         self._facts_until = [
             tuple([self._forgotten_at(who) for _ in range(thought.num_inferred)])
-            for who, thought in zip(self.participants, self.thinking, strict=True)
+            for who, thought in zip(self._crowd.participants, self._thinking, strict=True)
         ]
-        self.weights = np.full(number, 1.0 / number)
+        self._weights = np.full(number, 1.0 / number)
