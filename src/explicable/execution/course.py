@@ -94,7 +94,7 @@ class Course(Position):
         if predicted is not None and predicted != notice.action:
             self.num_deviations += 1
             self.is_outdated = True
-        self.num_changes += self.mind.request is not None
+        self.num_changes += self.request is not None
         self._take(notice.action)
 
     def _take(self, action: GroundAtom) -> None:
@@ -148,7 +148,7 @@ class Course(Position):
     def _adopt_safe_plan(self, _: Notice) -> None:
         """Follow the last request by a shortest way; without one, wait, or do what needs no asking."""
         self.plan, self.is_outdated = (), False
-        request = self.mind.request
+        request = self.request
         if request is None:
             step = self.safe_step()
             self.plan = (step,) if step else ()

@@ -186,7 +186,7 @@ class ClosedLoop:
 
     def _handle(self, notice: Notice, from_outside: bool) -> None:
         course = self.course
-        before, num_steps, request = course.state, len(course.steps), course.mind.request
+        before, num_steps, request = course.state, len(course.steps), course.request
         commands = course.apply(notice, self._clock() - self._began)
         self._idle_events += 1
         if course.occurrences[-1].refusal:

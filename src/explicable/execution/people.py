@@ -66,7 +66,7 @@ class Watcher:
     @property
     def request(self) -> Request | None:
         """The last thing asked for and not got."""
-        return self._thought.mind.request
+        return self._thought.request
 
     def watch(self, action: GroundAtom, before: State, after: State) -> None:
         """See a step of anybody happen."""

@@ -14,6 +14,7 @@ from explicable.execution.robots.protocol import Fact
 from explicable.execution.setting import Setting
 from explicable.model.plan import Actions
 from explicable.model.problem import GroundAtom
+from explicable.model.requests import Request
 from explicable.model.team import TeamProblem
 
 if TYPE_CHECKING:
@@ -80,11 +81,16 @@ class Position:
         return self._thought.mind
 
     @property
+    def request(self) -> Request | None:
+        """What was last asked for and not got."""
+        return self._thought.request
+
+    @property
     def situation(self) -> Situation:
         """What a plan would now be asked for."""
         past = tuple(step.action for step in self.steps[self._since :])
         announced = self.plan if self.leads_to_goal(self.plan) else ()
-        return Situation(self._problem, past, announced, self.state, self.mind.request)
+        return Situation(self._problem, past, announced, self.state, self.request)
 
     @property
     def problem_from_now(self) -> TeamProblem:
@@ -145,7 +151,7 @@ class Position:
 
     def safe_step(self) -> GroundAtom:
         """Return the robot's next step on a shortest way to what was last asked for; empty to wait."""
-        return follow(self.truth, self.state, self.mind.request, "commanded") or ()
+        return follow(self.truth, self.state, self.request, "commanded") or ()
 
     def ending(self) -> Ending:
         """Say how the game has ended.

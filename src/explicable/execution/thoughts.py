@@ -5,6 +5,7 @@ from a step that is seen is worked out for one of them, and looked up by all oth
 """
 
 import math
+import weakref
 from typing import NamedTuple
 
 from explicable.execution import mind as minds
@@ -37,10 +38,20 @@ class Judgement(NamedTuple):
 class Thought:
     """A mind, and what was worked out of it; made by `Thoughts`."""
 
-    __slots__ = ("_choices", "_corrected", "_judgements", "_kept", "_rest", "_seen", "mind", "num_inferred")
+    __slots__ = (
+        "_choices",
+        "_corrected",
+        "_judgements",
+        "_kept",
+        "_rest",
+        "_seen",
+        "mind",
+        "num_inferred",
+        "request",
+    )
 
     def __init__(self, mind: Mind) -> None:
-        self.mind = mind
+        self.mind, self.request = mind, mind.request
         self.num_inferred = len(mind.inferred)
         self._judgements: dict[tuple[GroundAtom, State, Horizon, bool], Judgement] = {}
         self._seen: dict[tuple[GroundAtom, State, State], Thought] = {}
@@ -56,19 +67,21 @@ class Thoughts:
     Parameters
     ----------
     setting
-        Where the games are played.
+        Where the games are played; to be kept by whoever plays there.
 
     Examples
     --------
     >>> from explicable.execution import prepare
     >>> from explicable.first_response import World, encode
-    >>> thoughts = prepare(encode(World(("*@*",)))).thoughts
+    >>> setting = prepare(encode(World(("*@*",))))
+    >>> thoughts = setting.thoughts
     >>> list(thoughts.choices(thoughts.first, temperature=1.0, lapse=0.1).values())
     [0.5, 0.5]
     """
 
     def __init__(self, setting: Setting) -> None:
-        self.setting = setting
+        # Weakly: a setting holds its thoughts, and tasks are too large to wait for the garbage collector.
+        self.setting = weakref.proxy(setting)
         self._known: dict[Mind, Thought] = {}
 
     @property
