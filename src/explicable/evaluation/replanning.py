@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from explicable.execution import Course, PersonFilter, Proposal, Situation, adapt, num_changes
 from explicable.execution.remembering import remember
@@ -146,7 +146,7 @@ class ExplicablePlanner:
     def __call__(self, situation: Situation) -> Proposal:
         """Plan from here on."""
         game = self.game(situation)
-        first = self._search(game)
+        first = self._search(game, game.place)
         if first.operators is None:
             return Proposal(first.outcome)
         chances = self._chances(game, situation)
@@ -192,25 +192,27 @@ class ExplicablePlanner:
             yield announced
         yield game.actions(first)
         if 0 < self.max_evaluations >= first.evaluations:
-            better = self._search(game, first)
+            better = self._search(game, game.place, first)
             if better.operators is not None:
                 yield game.actions(better)
         for request in sorted(chances, key=lambda step: -chances[step])[:_NUM_PREDICTIONS]:
             asked = game.after(request)
-            rest = self._search(asked) if asked else None
-            if asked and rest and rest.operators is not None:
-                yield (request, *asked.actions(rest))
+            rest = self._search(game, asked) if asked else None
+            if rest and rest.operators is not None:
+                yield (request, *game.actions(rest))
 
-    def _search(self, game: "LabelledGame", first: SearchResult | None = None) -> SearchResult:
+    def _search(
+        self, game: "LabelledGame", place: "Place", first: SearchResult | None = None
+    ) -> SearchResult:
         """Search for the plan of Eq. 4, or improve it with what it has left of the budget."""
-        key = first is not None, game.state, game.context
+        key = place, first is not None
         if key in game.searched:
             return game.searched[key]
         result = search(
             game.task,
             "anytime" if first else "default",
-            scorer=game.scorer.starting_at(game.context),
-            initial_state=game.state,
+            scorer=game.scorer.starting_at(place.context),
+            initial_state=place.state,
             alpha=self.prices.alpha,
             known_plans=[first.operators] if first and first.operators is not None else (),
             max_evaluations=self.max_evaluations - first.evaluations if first else None,
@@ -268,6 +270,21 @@ class LearningPlanner:
         self._num_heeded = len(course.steps)
 
 
+class Place(NamedTuple):
+    """Where a game stands.
+
+    Parameters
+    ----------
+    state
+        The state.
+    context
+        What the scorer keeps of the past.
+    """
+
+    state: State
+    context: bytes
+
+
 class LabelledGame:
     """A game as a labeller sees it: where it stands, and what the scorer keeps of the past.
 
@@ -279,49 +296,52 @@ class LabelledGame:
         self.problem, self.task = features.team.problem, features.task
         self.requests = features.requests
         self.scorer = labeller.scorer(features)
-        self.searched: dict[tuple[bool, State, bytes], SearchResult] = {}
-        self._objectives: dict[tuple[State, bytes, Actions, float], float] = {}
+        self.searched: dict[tuple[Place, bool], SearchResult] = {}
+        self._after: dict[tuple[Place, GroundAtom], Place | None] = {}
+        self._objectives: dict[tuple[Place, Actions, float], float] = {}
         self._begin()
 
     def _begin(self) -> None:
         self.past: Actions = ()
-        self.state = self.task.initial_state
-        self.context = self.scorer.root(self.state)
-        self._passed = [(self.context, self.state)]
+        start = self.task.initial_state
+        self._passed = [Place(start, self.scorer.root(start))]
+
+    @property
+    def place(self) -> Place:
+        """Where it stands."""
+        return self._passed[-1]
 
     def move_to(self, past: Actions) -> None:
         """Take the steps that are new since the last time; begin again if the past is another."""
         if past[: len(self.past)] != self.past:
             self._begin()
-        if len(past) == len(self.past):
-            return
-        execution = self.task.execute(past[len(self.past) :], self.state)
-        contexts = list(self._contexts(execution))
-        self._passed = [*self._passed, *zip(contexts, execution.states[1:], strict=True)]
-        self.past, self.context, self.state = past, contexts[-1], execution.states[-1]
+        execution = self.task.execute(past[len(self.past) :], self.place.state)
+        self._passed = [*self._passed, *self._places(execution)]
+        self.past = past
 
     def seems_inexplicable(self, number: int) -> bool:
         """Tell whether a step of the past looked inexplicable, rather than not, when it was done."""
         before, after = (
-            self.scorer.score(context, state, [])[0] for context, state in self._passed[number : number + 2]
+            self.scorer.score(context, state, [])[0] for state, context in self._passed[number : number + 2]
         )
         return after - before > 0.5
 
-    def after(self, action: GroundAtom) -> "LabelledGame | None":
-        """Return the game after one more step, or None if that is not possible."""
-        if not any(self.task.is_applicable(self.state, o) for o in self.task.operators_of(action)):
-            return None
-        game = copy(self)
-        game.move_to((*self.past, action))
-        return game
+    def after(self, action: GroundAtom) -> Place | None:
+        """Return where the game stands after one more step, or None if that is not possible."""
+        key = self.place, action
+        if key not in self._after:
+            can_be = any(self.task.is_applicable(self.place.state, o) for o in self.task.operators_of(action))
+            after = next(self._places(self.task.execute((action,), self.place.state))) if can_be else None
+            remember(self._after, key, after, _MOST_REMEMBERED)
+        return self._after[key]
 
     def objective(self, plan: Actions, alpha: float) -> float:
         """Return ``cost + alpha * E[inexplicable steps]``, up to what the past has settled already."""
-        key = self.state, self.context, plan, alpha
+        key = self.place, plan, alpha
         if key not in self._objectives:
-            execution = self.task.execute(plan, self.state)
-            *_, context = (self.context, *self._contexts(execution))
-            count, _, _ = self.scorer.score(context, execution.states[-1], [])
+            execution = self.task.execute(plan, self.place.state)
+            *_, end = (self.place, *self._places(execution))
+            count, _, _ = self.scorer.score(end.context, end.state, [])
             remember(self._objectives, key, execution.cost + alpha * count, _MOST_REMEMBERED)
         return self._objectives[key]
 
@@ -329,9 +349,9 @@ class LabelledGame:
         """Return the plan that a search has found."""
         return tuple(map(self.task.action, result.operators or ()))
 
-    def _contexts(self, execution: Execution) -> Iterator[bytes]:
-        """Yield what the scorer keeps of the past after each step of an execution from here on."""
-        context = self.context
+    def _places(self, execution: Execution) -> Iterator[Place]:
+        """Yield where the game stands after each step of an execution from here on."""
+        context = self.place.context
         for operator, (before, after) in zip(execution.operators, pairwise(execution.states), strict=True):
             context = self.scorer.extend(context, operator, before, after)
-            yield context
+            yield Place(after, context)
