@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 from typing import NamedTuple
 
 from explicable.execution import remembering
@@ -57,7 +58,7 @@ class Outlook:
         self._fulfilments: dict[tuple[State, GroundAtom], tuple[float, int, Goal]] = {}
         self._fulfilled: dict[tuple[State, GroundAtom], State] = {}
         self._ends = {action: self._ends_of(request) for action, request in self.requests.items()}
-        actions = [(operator, self.task.action(operator)) for operator in range(self.task.num_operators)]
+        actions = list(enumerate(self.task.actions))
         self._operators: dict[GroundAtom, list[int]] = {}
         for operator, action in actions:
             if action:
@@ -65,12 +66,16 @@ class Outlook:
         self._asks = [
             (operator, self.requests[action]) for operator, action in actions if action in self.requests
         ]
-        self._robots = {
+
+    @cached_property
+    def _robots(self) -> dict[int, GroundAtom]:
+        """The robots' steps, by operator."""
+        return {
             operator: action
-            for operator, action in actions
+            for operator, action in enumerate(self.task.actions)
             if action
             and " " not in action[0]  # such are the stage's
-            and problem.agent_of(action).kind == "robot"
+            and self.problem.agent_of(action).kind == "robot"
         }
 
     def step(self, state: State, action: GroundAtom) -> tuple[int, State] | None:

@@ -49,29 +49,40 @@ def find_requests(problem: TeamProblem, task: Task) -> dict[GroundAtom, Request]
     >>> find_requests(problem, ground(problem.composite))["command", "person", "c-0-1"].fulfilled_by
     frozenset({('visit-room', 'r1', 'c-0-1')})
     """
-    operators = [o for o in range(task.num_operators) if task.action(o)]  # what is auxiliary is nobody's
-    human = {o for o in operators if problem.agent_of(task.action(o)).kind == "human"}
+    human, robots = _split(problem, task)
     arguments: dict[int, set[GroundAtom]] = {}  # with which human steps add a fact
-    for operator in human:
+    for operator, action in human:
         for fact in task.core.adds(operator):
-            arguments.setdefault(fact, set()).add(task.action(operator)[2:])
+            arguments.setdefault(fact, set()).add(action[2:])
     permits = {
         fact
         for fact, said in arguments.items()
         if len(said) == 1 and len(task.fact(fact)) > 1 and task.fact(fact)[0] != "not"
     }
     needed_by: dict[int, set[GroundAtom]] = {}
-    for operator in set(operators) - human:
-        for fact in permits.intersection(task.core.preconditions(operator)):
-            needed_by.setdefault(fact, set()).add(task.action(operator))
+    needs, ends = (task.core.array(f"preconditions.{part}").tolist() for part in ("values", "offsets"))
+    for operator, action in robots:
+        for fact in permits.intersection(needs[ends[operator] : ends[operator + 1]]):
+            needed_by.setdefault(fact, set()).add(action)
     requests = {}
-    for operator in sorted(human):
+    for operator, action in human:
         facts = [fact for fact in task.core.adds(operator) if fact in needed_by]
         if facts:
-            action = task.action(operator)
             requests[action] = Request(
                 action=action,
                 permits=frozenset(map(task.fact, facts)),
                 fulfilled_by=frozenset().union(*(needed_by[fact] for fact in facts)),
             )
     return requests
+
+
+Steps = list[tuple[int, GroundAtom]]
+
+
+def _split(problem: TeamProblem, task: Task) -> tuple[Steps, Steps]:
+    """Return the operators of humans and those of robots, with actions; what is auxiliary is nobody's."""
+    steps: dict[str, Steps] = {"human": [], "robot": []}
+    for operator, action in enumerate(task.actions):
+        if action:
+            steps[problem.agent_of(action).kind].append((operator, action))
+    return steps["human"], steps["robot"]

@@ -88,6 +88,19 @@ class Task:
             action = self._actions[operator] = (self.problem.domain.actions[schema].name, *names)
         return action
 
+    @cached_property
+    def actions(self) -> tuple[GroundAtom, ...]:
+        """The `action` of each operator, for those who need all of them."""
+        schemas, names = self.problem.domain.actions, self.objects
+        ends = self.core.array("operator_arguments.offsets").tolist()
+        arguments = [names[argument] for argument in self.core.array("operator_arguments.values").tolist()]
+        return tuple(
+            () if schema == _core.AUXILIARY else (schemas[schema].name, *arguments[begin:end])
+            for schema, begin, end in zip(
+                self.core.array("operator_schema").tolist(), ends[:-1], ends[1:], strict=True
+            )
+        )
+
     def fact(self, fact: int) -> GroundAtom:
         """Return ``(predicate, object, ...)`` of a fact; ``("not", predicate, ...)`` of a complement."""
         predicate = self.core.fact_predicate(fact)
