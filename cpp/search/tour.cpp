@@ -231,13 +231,22 @@ bool Tour::charge(FactId fact, std::vector<Need>& needs) {
 }
 
 double Tour::cost(const State& state) const {
+    return cost([&](FactId fact) { return state.holds(task_, fact); }, state.values[mover_]);
+}
+
+double Tour::cost(const StatePacker& packer, const Word* state) const {
+    return cost([&](FactId fact) { return packer.holds(state, fact); }, packer.get(state, mover_));
+}
+
+template <class Holds>
+double Tour::cost(const Holds& holds, std::int32_t place) const {
     double sum = 0.0;
     std::size_t left = 0;
     for (const Part& part : parts_) {
-        if (state.holds(task_, part.goal)) continue;
+        if (holds(part.goal)) continue;
         if (part.stop >= 0) left |= std::size_t{1} << part.stop;
         for (const Need& need : part.needs) {
-            if (!state.holds(task_, need.fact)) sum += need.cost;
+            if (!holds(need.fact)) sum += need.cost;
         }
     }
     if (left == 0) return sum;
@@ -245,7 +254,7 @@ double Tour::cost(const State& state) const {
     double best = dead_end;
     for (std::size_t first = 0; first < num_stops; ++first) {
         if (left >> first & 1) {
-            best = std::min(best, distance_[first][state.values[mover_]] + tour_[left * num_stops + first]);
+            best = std::min(best, distance_[first][place] + tour_[left * num_stops + first]);
         }
     }
     return sum + best;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "search/heuristics.hpp"
+#include "task/packed_state.hpp"
 
 namespace explicable {
 
@@ -25,6 +26,7 @@ public:
     Tour(const Question& question, const std::vector<char>& possible);
     bool exists() const { return !stops_.empty(); }
     double cost(const State& state) const;
+    double cost(const StatePacker& packer, const Word* state) const;
     std::size_t memory_bytes() const;
 
 private:
@@ -52,6 +54,8 @@ private:
     const std::vector<char>* possible_;
     std::vector<char> is_charged_;      // operators
 
+    template <class Holds>
+    double cost(const Holds& holds, std::int32_t place) const;  // the place is the mover's value
     std::vector<OperatorId> achievers_of(FactId fact) const;
     std::int32_t place_needed(FactId goal, VariableId variable) const;  // 0: none, or not one
     bool moves(OperatorId id, VariableId variable) const;

@@ -61,8 +61,7 @@ std::optional<std::vector<OperatorId>> WayFinder::descend(const Question& questi
         OperatorId first = -1;
         for (const OperatorId step : applicable) {
             apply(question.task, packer_, step, words.data(), next.data());
-            packer_.unpack(next.data(), state);
-            const double ahead = tour.cost(state);
+            const double ahead = tour.cost(packer_, next.data());
             const Key key{question.task.cost[step] + ahead, ahead};
             if (key >= best) continue;
             best = key;
