@@ -1,13 +1,15 @@
 import numpy as np
 import pytest
 
-from explicable.evaluation.replanning import ExplicablePlanner, LabelledGame, LearningPlanner, Prices
+from explicable.evaluation.labelled_game import LabelledGame
+from explicable.evaluation.replanning import ExplicablePlanner, LearningPlanner, Prices
 from explicable.evaluation.strategies import play, strategies
 from explicable.execution import (
     Ending,
     ScriptedPerson,
     SimulatedPerson,
     Situation,
+    adapt,
     builtin_families,
     prepare,
     run,
@@ -136,3 +138,26 @@ def test_the_labeller_is_adapted_where_an_answer_surprises_it_and_only_there(ans
             for labeller in (ignorant, planner.planner.judge)
         )
         assert after < before
+
+
+def test_answers_go_with_their_steps_though_the_game_goes_on_while_a_plan_is_made(labeller):
+    problem = encode(builtin_maps("test")["test-02"], "persistent")
+    setting, courses, planner = prepare(problem), [], ExplicablePlanner(labeller, improve_s=None)
+    plan = planner(Situation(problem, (), (), setting.truth.task.initial_state)).actions
+    script = [action for action in plan if problem.agent_of(action).kind == "human"]
+    person = ScriptedPerson(setting, script, lambda action: action[0] == "move")
+    run(setting, planner, person, watch=courses.append)
+    steps = courses[-1].steps
+    for num_steps in range(len(steps) + 1):
+        past = tuple(step.action for step in steps[:num_steps])
+        state = setting.truth.follow(setting.truth.task.initial_state, past)
+        planner = LearningPlanner(ExplicablePlanner(labeller, improve_s=None, max_evaluations=0))
+        planner.see(courses[-1])
+        planner(Situation(problem, past, (), state))
+        if planner.planner.judge is not None:
+            answers = [step.is_explicable for step in steps[:num_steps]]
+            expected = adapt(labeller, TeamFeatures(ground_team(problem)), past, answers).model
+            assert np.array_equal(planner.planner.judge.model.state_weights_, expected.state_weights_)
+            break
+    else:
+        pytest.fail("no answer was a surprise")

@@ -12,9 +12,9 @@ unit of cost.
 from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
+from explicable.evaluation.labelled_game import MOST_REMEMBERED, LabelledGame, Place
 from explicable.execution import Course, PersonFilter, Proposal, Situation, adapt, num_changes
 from explicable.execution.remembering import remember
 from explicable.labelling import Labeller
@@ -22,15 +22,12 @@ from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
 from explicable.model.plan import Actions
 from explicable.model.problem import GroundAtom
-from explicable.model.task import Execution, State
 from explicable.model.team import TeamProblem
 from explicable.planning import HumanModel
 from explicable.search import Outcome, SearchResult, search
 
 _NUM_PREDICTIONS = 4
 """Next requests for which plans are tried."""
-_MOST_REMEMBERED = 10_000
-"""Plans and their prices, for each kind of game: a game in more situations begins to forget."""
 
 
 class Foresight(Protocol):
@@ -83,7 +80,7 @@ class Grounding:
             self._last = TeamFeatures(ground_team(problem))
         return self._last
 
-    def game(self, problem: TeamProblem, labeller: Labeller) -> "LabelledGame":
+    def game(self, problem: TeamProblem, labeller: Labeller) -> LabelledGame:
         """Return a game as a labeller sees it."""
         features = self(problem)
         if labeller is not self.labeller:
@@ -162,18 +159,18 @@ class ExplicablePlanner:
 
         return Proposal(Outcome.SOLVED, min(plans, key=price))
 
-    def game(self, situation: Situation) -> "LabelledGame":
+    def game(self, situation: Situation) -> LabelledGame:
         """Return the game as the labeller sees it, where it now stands."""
         self._game = self._at(situation, self.labeller, self._game)
         return self._game
 
-    def _at(self, situation: Situation, labeller: Labeller, game: "LabelledGame | None") -> "LabelledGame":
+    def _at(self, situation: Situation, labeller: Labeller, game: LabelledGame | None) -> LabelledGame:
         if game is None or game.problem is not situation.problem or game.labeller is not labeller:
             game = self.grounding.game(situation.problem, labeller)
         game.move_to(situation.past)
         return game
 
-    def _chances(self, game: "LabelledGame", situation: Situation) -> Mapping[GroundAtom, float]:
+    def _chances(self, game: LabelledGame, situation: Situation) -> Mapping[GroundAtom, float]:
         """Return how probable each next request is; empty: nothing is foreseen."""
         if self.foresight is not None:
             return self.foresight.predict()
@@ -183,7 +180,7 @@ class ExplicablePlanner:
 
     def _alternatives(
         self,
-        game: "LabelledGame",
+        game: LabelledGame,
         announced: Actions,
         first: SearchResult,
         chances: Mapping[GroundAtom, float],
@@ -201,9 +198,7 @@ class ExplicablePlanner:
             if rest and rest.operators is not None:
                 yield (request, *game.actions(rest))
 
-    def _search(
-        self, game: "LabelledGame", place: "Place", first: SearchResult | None = None
-    ) -> SearchResult:
+    def _search(self, game: LabelledGame, place: Place, first: SearchResult | None = None) -> SearchResult:
         """Search for the plan of Eq. 4, or improve it with what it has left of the budget."""
         key = place, first is not None
         if key in game.searched:
@@ -219,7 +214,7 @@ class ExplicablePlanner:
             time_limit_s=self.improve_s if first else None,
         )
         if result.outcome is Outcome.SOLVED:
-            remember(game.searched, key, result, _MOST_REMEMBERED)
+            remember(game.searched, key, result, MOST_REMEMBERED)
         return result
 
 
@@ -261,97 +256,17 @@ class LearningPlanner:
         return self.planner(situation)
 
     def _adapt(self, situation: Situation, course: Course) -> None:
-        since = len(course.steps) - len(situation.past)
-        answers = [step.is_explicable for step in course.steps[since:]]
+        """Take in the answers to the steps of the past."""
+        steps, past = tuple(course.steps), situation.past
+        actions = tuple(step.action for step in steps)
+        # The game may have gone on since the planner was called.
+        starts = range(len(steps) - len(past), -1, -1)
+        since = next((start for start in starts if actions[start : start + len(past)] == past), None)
+        if since is None:
+            return
+        answers = [step.is_explicable for step in steps[since : since + len(past)]]
         game = self.planner.game(situation)
-        news = range(max(self._num_heeded - since, 0), len(answers))
+        news = range(max(self._num_heeded - since, 0), len(past))
         if any(answers[number] == game.seems_inexplicable(number) for number in news):
-            self.planner.judge = adapt(self.planner.labeller, game.features, situation.past, answers)
-        self._num_heeded = len(course.steps)
-
-
-class Place(NamedTuple):
-    """Where a game stands.
-
-    Parameters
-    ----------
-    state
-        The state.
-    context
-        What the scorer keeps of the past.
-    """
-
-    state: State
-    context: bytes
-
-
-class LabelledGame:
-    """A game as a labeller sees it: where it stands, and what the scorer keeps of the past.
-
-    What was found out from some state after some past holds in the next games on the same map, too.
-    """
-
-    def __init__(self, features: TeamFeatures, labeller: Labeller) -> None:
-        self.features, self.labeller = features, labeller
-        self.problem, self.task = features.team.problem, features.task
-        self.requests = features.requests
-        self.scorer = labeller.scorer(features)
-        self.searched: dict[tuple[Place, bool], SearchResult] = {}
-        self._after: dict[tuple[Place, GroundAtom], Place | None] = {}
-        self._objectives: dict[tuple[Place, Actions, float], float] = {}
-        self._begin()
-
-    def _begin(self) -> None:
-        self.past: Actions = ()
-        start = self.task.initial_state
-        self._passed = [Place(start, self.scorer.root(start))]
-
-    @property
-    def place(self) -> Place:
-        """Where it stands."""
-        return self._passed[-1]
-
-    def move_to(self, past: Actions) -> None:
-        """Take the steps that are new since the last time; begin again if the past is another."""
-        if past[: len(self.past)] != self.past:
-            self._begin()
-        execution = self.task.execute(past[len(self.past) :], self.place.state)
-        self._passed = [*self._passed, *self._places(execution)]
-        self.past = past
-
-    def seems_inexplicable(self, number: int) -> bool:
-        """Tell whether a step of the past looked inexplicable, rather than not, when it was done."""
-        before, after = (
-            self.scorer.score(context, state, [])[0] for state, context in self._passed[number : number + 2]
-        )
-        return after - before > 0.5
-
-    def after(self, action: GroundAtom) -> Place | None:
-        """Return where the game stands after one more step, or None if that is not possible."""
-        key = self.place, action
-        if key not in self._after:
-            can_be = any(self.task.is_applicable(self.place.state, o) for o in self.task.operators_of(action))
-            after = next(self._places(self.task.execute((action,), self.place.state))) if can_be else None
-            remember(self._after, key, after, _MOST_REMEMBERED)
-        return self._after[key]
-
-    def objective(self, plan: Actions, alpha: float) -> float:
-        """Return ``cost + alpha * E[inexplicable steps]``, up to what the past has settled already."""
-        key = self.place, plan, alpha
-        if key not in self._objectives:
-            execution = self.task.execute(plan, self.place.state)
-            *_, end = (self.place, *self._places(execution))
-            count, _, _ = self.scorer.score(end.context, end.state, [])
-            remember(self._objectives, key, execution.cost + alpha * count, _MOST_REMEMBERED)
-        return self._objectives[key]
-
-    def actions(self, result: SearchResult) -> Actions:
-        """Return the plan that a search has found."""
-        return tuple(map(self.task.action, result.operators or ()))
-
-    def _places(self, execution: Execution) -> Iterator[Place]:
-        """Yield where the game stands after each step of an execution from here on."""
-        context = self.place.context
-        for operator, (before, after) in zip(execution.operators, pairwise(execution.states), strict=True):
-            context = self.scorer.extend(context, operator, before, after)
-            yield Place(after, context)
+            self.planner.judge = adapt(self.planner.labeller, game.features, past, answers)
+        self._num_heeded = since + len(past)
