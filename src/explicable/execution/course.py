@@ -52,15 +52,17 @@ class Course(Position):
         >>> course.occurrences[-1].refusal
         "'step finished' can't happen while 'deciding'"
         """
-        self._time_s, refusal = time_s, object_to(self, notice)
+        self._time_s = time_s
+        event, refusal = notice.event, object_to(self, notice)
         commands: tuple[Command, ...] = ()
         if not refusal:
             try:
-                self.monitor, commands = react(self.monitor, notice.event)
+                self.monitor, commands = react(self.monitor, event)
             except IllegalEventError as error:
                 refusal = str(error)
-        if not refusal and notice.event in _ENDS_OF_STEPS:
-            self._under_way.pop(self.agent_of(notice.action), None)
+            else:
+                if event in _ENDS_OF_STEPS:
+                    self._under_way.pop(self.agent_of(notice.action), None)
         for command in commands:
             effect = _EFFECTS.get(command)
             if effect is not None:

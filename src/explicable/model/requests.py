@@ -25,6 +25,9 @@ class Request:
     permits: frozenset[GroundAtom]
     fulfilled_by: frozenset[GroundAtom]
 
+    def __hash__(self) -> int:
+        return hash(self.action)  # which tells one problem's requests apart
+
 
 def find_requests(problem: TeamProblem, task: Task) -> dict[GroundAtom, Request]:
     """Find what each human step asks for; steps that ask for nothing are left out.
