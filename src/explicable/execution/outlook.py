@@ -58,6 +58,10 @@ class Outlook:
         self._fulfilments: dict[tuple[State, GroundAtom], tuple[float, int, Goal]] = {}
         self._fulfilled: dict[tuple[State, GroundAtom], State] = {}
         self._ends = {action: self._ends_of(request) for action, request in self.requests.items()}
+        self._served = {  # goals that fulfilling a request achieves
+            action: frozenset(fact for end in ends for fact in end.adds if fact in self.task.goal)
+            for action, ends in self._ends.items()
+        }
         actions = list(enumerate(self.task.actions))
         self._operators: dict[GroundAtom, list[int]] = {}
         for operator, action in actions:
@@ -178,9 +182,9 @@ class Outlook:
 
     def _brings_nearer(self, request: Request, state: State, asked: State, lacking: frozenset[int]) -> bool:
         """Tell whether a request serves any of the goals still lacking."""
-        achieved = {fact for end in self._ends[request.action] for fact in end.adds}
-        if not achieved.isdisjoint(self.task.goal):
-            return not achieved.isdisjoint(lacking)
+        served = self._served[request.action]
+        if served:
+            return not served.isdisjoint(lacking)
         cost, alone = self.ahead.cost, self.stage.settle_alone
         return any(
             cost(state, (fact,), alone) == math.inf and cost(asked, (fact,), alone) < math.inf
