@@ -1,7 +1,8 @@
 """The robot's strategies that are compared in closed loop (method page, section 7), each as a planner."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from explicable.evaluation.replanning import (
     Prices,
 )
 from explicable.execution import (
+    Family,
     Participant,
     PersonFilter,
     Planner,
@@ -94,8 +96,11 @@ class _Acquaintance:
     """Makes filters whose guesses come from all families but the person's own."""
 
     def __init__(self) -> None:
-        self._families = builtin_families()
         self._drawn: dict[tuple[str, ...], tuple[Participant, ...]] = {}
+
+    @cached_property
+    def _families(self) -> Mapping[str, Family]:
+        return builtin_families()
 
     def __call__(self, setting: Setting, person: SimulatedPerson) -> PersonFilter:
         """Return a filter for a game."""
