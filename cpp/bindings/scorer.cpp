@@ -138,7 +138,7 @@ void bind_scorer(nb::module_& module) {
                          return rows;
                      })
         .def_ro("max_arity", &TeamTables::max_arity)
-        .def("is_human", [](const TeamTables& t, OperatorId o) { return t[check_operator(t, o)].is_human; })
+        .def("is_human", [](const TeamTables& t, OperatorId o) { return t.marks(check_operator(t, o)).is_human; })
         .def("is_believed", [](const TeamTables& t, OperatorId o) { return t[check_operator(t, o)].in_mental; })
         .def("asks_for", [](const TeamTables& t, OperatorId o) { return t.asks_for[check_operator(t, o)]; })
         .def("fulfils", [](const TeamTables& t, OperatorId o) { return row(t.fulfils, check_operator(t, o)); })
@@ -220,6 +220,13 @@ void bind_scorer(nb::module_& module) {
                  const auto result =
                      scorer.score(check_context(scorer, context), unpack(scorer.task, state), relaxed_plan);
                  return std::tuple(result.num_inexplicable, result.variance, result.num_steps);
+             },
+             "context"_a, "state"_a, "relaxed_plan"_a)
+        .def("count",
+             [](const BoundScorer& scorer, const nb::bytes& context, const nb::bytes& state, const Ints& relaxed_plan) {
+                 for (const auto step : relaxed_plan)
+                     if (step < 0 || step >= scorer.task.num_operators()) throw nb::index_error("no such operator");
+                 return scorer.counter()->count(check_context(scorer, context), unpack(scorer.task, state), relaxed_plan);
              },
              "context"_a, "state"_a, "relaxed_plan"_a)
         .def("charge",

@@ -33,7 +33,7 @@ HumanChoices::HumanChoices(const Task& composite, const Task& mental, const Ment
     std::map<std::vector<std::int32_t>, std::int32_t> numbers;
     for (OperatorId op = 0; op < composite.num_operators(); ++op) {
         const TeamStep& step = (*tables_)[op];
-        if (!step.is_human || step.schema < 0) continue;
+        if (!tables_->marks(op).is_human || step.schema < 0) continue;
         std::vector<std::int32_t> action{step.schema};
         const auto objects = composite.operator_arguments[op];
         action.insert(action.end(), objects.begin(), objects.end());
@@ -66,7 +66,7 @@ HumanChoices::HumanChoices(const Task& composite, const Task& mental, const Ment
     std::vector<std::int32_t> arguments;
     for (OperatorId op = 0; op < composite.num_operators(); ++op) {
         const TeamStep& step = (*tables_)[op];
-        if (!step.fulfils || step.schema < 0 || names.schema[step.schema] < 0 ||
+        if (!tables_->marks(op).fulfils || step.schema < 0 || names.schema[step.schema] < 0 ||
             !translate_objects(composite.operator_arguments[op], names.object, arguments))
             continue;
         for (const OperatorId theirs : in_mental_task.find_operators(names.schema[step.schema], arguments)) {

@@ -99,14 +99,15 @@ void TeamTables::measure_goals(const Measure& measure) {
 // A step's progress hangs on the goals to which there is a way from where it leads, or led. The best order of all goals hangs
 // on all of them.
 void TeamTables::find_concerned() {
-    if (goals.size() > LastAnswer::kMaxGoals) return;
+    if (goals.size() > StepMarks::kMaxGoals) return;
     for (OperatorId op = 0; op < num_operators(); ++op) {
-        auto& concerned = steps_[op + 1].concerned;
+        auto& marks = marks_[op + 1];
         for (const auto place : {moves_[op].from, moves_[op].to})
             for (std::size_t i = 0; i < 2 * width_; ++i)
-                if (row(place, Model::kMental)[i] != kNoWay) concerned |= std::uint64_t{1} << i % width_;
-        for (const auto goal : achieves[op]) concerned |= std::uint64_t{1} << goal;
-        if (concerned != 0 && goals.size() <= kMaxTourGoals) concerned = (std::uint64_t{1} << goals.size()) - 1;
+                if (row(place, Model::kMental)[i] != kNoWay) marks.concerned |= std::uint64_t{1} << i % width_;
+        for (const auto goal : achieves[op]) marks.achieves |= std::uint64_t{1} << goal;
+        marks.concerned |= marks.achieves;
+        if (marks.concerned != 0 && goals.size() <= kMaxTourGoals) marks.concerned = (std::uint64_t{1} << goals.size()) - 1;
     }
 }
 
@@ -143,9 +144,8 @@ void TeamTables::find_tours(const Task& task, const std::vector<Distance>& dista
 }
 
 GoalProgress TeamTables::find_toward_goals(OperatorId step, const OpenGoals& open) const {
-    if ((*this)[step].achieves)
-        for (const auto goal : achieves[step])
-            if (open.is_open(static_cast<std::size_t>(goal))) return {Progress::kDone, Progress::kDone, Progress::kDone};
+    for (const auto goal : achieves[step])
+        if (open.is_open(static_cast<std::size_t>(goal))) return {Progress::kDone, Progress::kDone, Progress::kDone};
     const auto nearest = [&open, width = width_](const Distance* distance) {
         Lanes least(kNoWay);
         for (std::size_t goal = 0; goal < width; goal += kLanes) least = least.min(Lanes(distance + goal) | open.closed(goal));

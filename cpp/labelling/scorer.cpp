@@ -42,34 +42,16 @@ void Scorer::extend(const std::byte* parent, OperatorId step, const State& befor
 // Takes in a relaxed plan; makes the features of the last step final.
 template <class Labels>
 void Scorer::walk(Context& context, Labels& labels, const State& state, std::span<const OperatorId> relaxed_plan) const {
-    Batch<Labels> batch(labels);
     if (!relaxed_plan.empty()) {
         OpenGoals goals = tables_->open_goals(state);
-        for (const auto step : relaxed_plan) tables_->prefetch(step, context.situation.request());
         for (const auto step : relaxed_plan) {
-            if ((*tables_)[step].schema < 0) continue;
-            advance(context, batch, step, goals);
-            if (!(*tables_)[step].achieves) continue;
+            if (tables_->is_auxiliary(step)) continue;
+            advance(context, labels, step, goals);
             for (const auto goal : tables_->achieves[step]) goals.close(static_cast<std::size_t>(goal));
         }
     }
     if (context.num_steps == 0) return;
-    append(batch, context.pending + look_ahead(context.situation, -1, kNothing));
-    flush(batch);
-}
-
-template <class Labels>
-void Scorer::append(Batch<Labels>& batch, double score) const {
-    batch.scores[batch.size++] = score;
-    if (batch.size == batch.scores.size()) flush(batch);
-}
-
-template <class Labels>
-void Scorer::flush(Batch<Labels>& batch) const {
-    Labels labels = batch.labels;
-    for (std::size_t i = 0; i < batch.size; ++i) append(labels, batch.scores[i]);
-    batch.labels = labels;
-    batch.size = 0;
+    append(labels, context.pending + look_ahead(context.situation, -1, kNothing));
 }
 
 PathScore Scorer::score(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) const {
@@ -82,14 +64,6 @@ PathScore Scorer::score(const std::byte* node, const State& state, std::span<con
     walk(context, tally, state, relaxed_plan);
     if (context.num_steps == 0) return {0, 0, 0};
     return {tally.mean(), tally.variance(), context.num_steps};
-}
-
-double Scorer::count(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) const {
-    if (!expected_) return score(node, state, relaxed_plan).num_inexplicable;
-    Context context = read(node);
-    auto tally = tally_of<1>(context.chain);
-    walk(context, tally, state, relaxed_plan);
-    return context.num_steps == 0 ? 0 : tally.mean();
 }
 
 std::uint64_t Scorer::closing_key(const std::byte* node) const { return situation_key(read(node)); }
@@ -142,27 +116,29 @@ void Scorer::charge_for(std::shared_ptr<const HumanChoices> choices, const Human
 template <class Labels>
 void Scorer::advance(Context& context, Labels& labels, OperatorId step, const OpenGoals& goals) const {
     auto& situation = context.situation;
-    int neighbour = kHumanStep;
-    const double score = is_human(step) ? kExplicable : step_score(situation, step, goals, neighbour);
-    const Pair pair = pair_score(situation, step, neighbour);
-    if (context.num_steps > 0) append(labels, context.pending + pair.of_last);
-    context.pending = score + pair.of_step;
+    const StepScore score = judge(situation, step, goals);
+    if (context.num_steps > 0) append(labels, context.pending + score.of_last);
+    context.pending = score.of_step + taking_back(situation, step);
     ++context.num_steps;
-    remember(situation, step, neighbour);
+    remember(situation, step, score.neighbour);
 }
 
-double Scorer::step_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const {
+Scorer::StepScore Scorer::judge(const Situation& situation, OperatorId step, const OpenGoals& goals) const {
+    int neighbour = kHumanStep;
+    const double own = is_human(step) ? kExplicable : own_score(situation, step, goals, neighbour);
+    const Pair pair = pair_score(situation, step, neighbour);
+    return {pair.of_last, own + pair.of_step, neighbour};
+}
+
+double Scorer::own_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const {
     const auto& tables = *tables_;
     const TeamStep& taken = tables[step];
     const auto me = static_cast<std::size_t>(taken.schema);
     double score = alone_[me * 2 + taken.in_mental];
     if (!own_.empty()) score += own_[static_cast<std::size_t>(step)];
     if (uses_human_) score += same_human_.of(taken, tables[situation.last_human]);
-    bool may_take_back = false;
-    for (const auto earlier : situation.robot_steps) may_take_back |= TeamTables::may_take_back(taken, tables[earlier]);
-    if (may_take_back) score += taking_back(situation, step);
     auto request = tables.toward_request(step, situation.request());
-    if (taken.fulfils && request.mental() != Progress::kDone && fulfils_open(situation, step))
+    if (tables.marks(step).fulfils && request.mental() != Progress::kDone && fulfils_open(situation, step))
         request = {Progress::kDoneOther, Progress::kDoneOther};
     const auto goal = tables.toward_goals(step, goals);
     neighbour = static_cast<int>(request.mental());
@@ -198,6 +174,14 @@ bool Scorer::fulfils_open(const Situation& situation, OperatorId step) const {
 void Scorer::remember(Situation& situation, OperatorId step, int neighbour) const {
     situation.last = step;
     situation.neighbour = neighbour;
+    if (!is_human(step)) {
+        for (std::size_t i = kRecentSteps - 1; i > 0; --i) situation.robot_steps[i] = situation.robot_steps[i - 1];
+        situation.robot_steps[0] = step;
+    }
+    remember_requests(situation, step);
+}
+
+void Scorer::remember_requests(Situation& situation, OperatorId step) const {
     auto& open = situation.open;
     auto& count = situation.num_open;
     const auto close = [&](std::int32_t request) {
@@ -207,9 +191,7 @@ void Scorer::remember(Situation& situation, OperatorId step, int neighbour) cons
         count = static_cast<std::int32_t>(kept - open.begin());
     };
     if (!is_human(step)) {
-        for (std::size_t i = kRecentSteps - 1; i > 0; --i) situation.robot_steps[i] = situation.robot_steps[i - 1];
-        situation.robot_steps[0] = step;
-        if (count > 0 && (*tables_)[step].fulfils)
+        if (count > 0 && tables_->marks(step).fulfils)
             for (const auto request : tables_->fulfils[step]) close(request);
         return;
     }

@@ -12,18 +12,12 @@
 
 #include "labelling/feature_weights.hpp"
 #include "labelling/human_choices.hpp"
+#include "labelling/step_memory.hpp"
 #include "labelling/tally.hpp"
 #include "labelling/team_tables.hpp"
 #include "search/path_scorer.hpp"
 
 namespace explicable {
-
-inline std::uint64_t combine(std::uint64_t key, std::uint64_t value) {  // splitmix64 of both
-    key += value + 0x9E3779B97F4A7C15u;
-    key = (key ^ (key >> 30)) * 0xBF58476D1CE4E5B9u;
-    key = (key ^ (key >> 27)) * 0x94D049BB133111EBu;
-    return key ^ (key >> 31);
-}
 
 inline constexpr int kMaxRequests = 8;  // a person keeps so many open requests in mind; older ones are forgotten
 inline constexpr int kRecentSteps = 4;  // steps of robots that a later one may take back
@@ -56,7 +50,7 @@ public:
                 std::byte* context) const override;
     PathScore score(const std::byte* context, const State& state,
                     std::span<const OperatorId> relaxed_plan) const override;
-    double count(const std::byte* context, const State& state, std::span<const OperatorId> relaxed_plan) const override;
+    std::unique_ptr<Counter> counter() const override;
     std::uint64_t closing_key(const std::byte* context) const override;
     double lead(const std::byte* a, const std::byte* b, const State& state) const override;
     double charge(const std::byte* context) const override { return read(context).charge; }
@@ -77,6 +71,7 @@ public:
     void charge_for(std::shared_ptr<const HumanChoices> choices, const HumanWeights& weights, double price);
 
 private:
+    class MindfulCounter;
     struct Span {
         double least, greatest;
         void cover(double value) {
@@ -123,14 +118,6 @@ private:
         std::vector<std::uint32_t> block_;   // schema of a step, of the other
         std::vector<Weight> sums_;           // block, argument, half, set
     };
-    // Scores of steps whose labels are still to be appended: all in one loop, where the processor keeps the labels in registers.
-    template <class Labels>
-    struct Batch {
-        explicit Batch(Labels& all_labels) : labels(all_labels) {}
-        Labels& labels;
-        std::array<double, 64> scores;
-        std::size_t size = 0;
-    };
     struct Context {
         Situation situation;
         Chain chain;         // all steps but the last
@@ -157,8 +144,14 @@ private:
     void advance(Context& context, Labels& labels, OperatorId step, const OpenGoals& goals) const;
     template <class Labels>
     void walk(Context& context, Labels& labels, const State& state, std::span<const OperatorId> relaxed_plan) const;
+    // What a step adds to the scores, but for what it takes back.
+    struct StepScore {
+        double of_last, of_step;
+        int neighbour;  // how the steps beside it see it
+    };
+    StepScore judge(const Situation& situation, OperatorId step, const OpenGoals& goals) const;
     // What a robot's step scores but for what it shares with the steps beside it; `neighbour` is how they see it.
-    double step_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const;
+    double own_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const;
     // Of the last step and of `next`, which may be -1: the end.
     Pair pair_score(const Situation& situation, OperatorId next, int neighbour) const;
     double look_ahead(const Situation& situation, OperatorId next, int neighbour) const {
@@ -167,6 +160,7 @@ private:
     double taking_back(const Situation& situation, OperatorId step) const;
     bool fulfils_open(const Situation& situation, OperatorId step) const;
     void remember(Situation& situation, OperatorId step, int neighbour) const;
+    void remember_requests(Situation& situation, OperatorId step) const;
     void append(Chain& chain, double score) const;
     void append_best(Chain& chain, double score) const;
     void append_expected(Chain& chain, double score) const;
@@ -174,15 +168,11 @@ private:
     void append(Tally<kPowers>& tally, double score) const {
         tally.append(factors_, score);
     }
-    template <class Labels>
-    void append(Batch<Labels>& batch, double score) const;
-    template <class Labels>
-    void flush(Batch<Labels>& batch) const;
     template <int kPowers>
     static Tally<kPowers> tally_of(const Chain& chain) {
         return {chain.odds, chain.count, chain.variance, chain.is_empty};
     }
-    bool is_human(OperatorId step) const { return (*tables_)[step].is_human; }
+    bool is_human(OperatorId step) const { return tables_->marks(step).is_human; }
     std::size_t schema_of(OperatorId step) const { return static_cast<std::size_t>((*tables_)[step].schema); }
 
     Context start_;
@@ -200,6 +190,7 @@ private:
     std::vector<Pair> beside_;             // what the step after, the step before is to its neighbour
     EqualityWeights<Pair> same_;           // step and step before
     EqualityWeights<double> same_human_;   // step and last human step
+    std::shared_ptr<StepMemories> memories_;  // copies have the same weights
     std::shared_ptr<const HumanChoices> choices_;  // none: nothing is charged
     HumanWeights human_weights_{};
     double price_of_surprise_ = 0;

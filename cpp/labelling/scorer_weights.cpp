@@ -39,6 +39,7 @@ Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const
                   [&](std::size_t step, std::size_t human, std::size_t i, std::size_t j) {
                       return of_arguments(*tables_, weights.of(Template::kSameHuman), step, human, i, j);
                   }),
+      memories_(std::make_shared<StepMemories>(static_cast<std::size_t>(tables_->num_operators()))),
       transitions_(transitions),
       factors_(),
       num_schemas_(static_cast<std::size_t>(tables_->num_schemas)),

@@ -33,6 +33,25 @@ public:
     // `factors`: of the labels before and after, none above 1; `score`: log odds of "inexplicable", -infinity for a human step.
     // Nothing overflows, since no factor exceeds 1; nothing vanishes, since it is scaled up in time.
     void append(const std::array<std::array<double, 2>, 2>& factors, double score) {
+        add_step(factors);
+        // Looked up rather than branched on: which of the two is less likely cannot be predicted.
+        const std::array<double, 2> factor{1, std::exp(-std::abs(score))};
+        const bool likely = score > 0;
+        for (auto& of_labels : moment_) {
+            of_labels[0] *= factor[likely];
+            of_labels[1] *= factor[!likely];
+        }
+        if (const double sum = total(0); sum < 1e-30) scale(sum);
+    }
+    // The same with odds of no more than 1e270.
+    void append_odds(const std::array<std::array<double, 2>, 2>& factors, double odds) {
+        add_step(factors);
+        for (auto& of_labels : moment_) of_labels[1] *= odds;
+        if (const double sum = total(0); sum < 1e-30 || sum > 1e30) scale(sum);
+    }
+
+private:
+    void add_step(const std::array<std::array<double, 2>, 2>& factors) {
         if (is_empty_)
             moment_[0] = {1, 1};
         else
@@ -45,20 +64,11 @@ public:
         // One more is inexplicable: (c + 1)^2 = c^2 + 2 c + 1.
         if constexpr (kPowers > 1) moment_[2][1] += 2 * moment_[1][1] + moment_[0][1];
         moment_[1][1] += moment_[0][1];
-        // Looked up rather than branched on: which of the two is less likely cannot be predicted.
-        const std::array<double, 2> factor{1, std::exp(-std::abs(score))};
-        const bool likely = score > 0;
-        for (auto& of_labels : moment_) {
-            of_labels[0] *= factor[likely];
-            of_labels[1] *= factor[!likely];
-        }
-        const double sum = total(0);
-        if (sum > 1e-30) return;
+    }
+    void scale(double sum) {
         for (auto& of_labels : moment_)
             for (double& of_label : of_labels) of_label /= sum;
     }
-
-private:
     double total(std::size_t power) const { return moment_[power][0] + moment_[power][1]; }
 
     std::array<std::array<double, 2>, kPowers + 1> moment_{};  // power, label

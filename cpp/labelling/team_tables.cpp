@@ -70,8 +70,8 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
     num_schemas = static_cast<int>(names.schema.size());
     TeamStep none;
     none.schema = num_schemas;
-    none.adds = ~std::uint32_t{0};
     steps_.push_back(none);
+    marks_.push_back({.adds = ~std::uint32_t{0}});
     arity.resize(names.schema.size());
     if (names.object.size() != human_objects.size()) throw std::invalid_argument("one flag an object is needed");
     for (OperatorId op = 0; op < num_operators; ++op) {
@@ -93,13 +93,14 @@ TeamTables::TeamTables(const Task& composite, const Task& mental, const std::vec
         adds_.push_back(all_adds(composite, op));
         TeamStep step;
         step.schema = schema;
-        step.is_human = human[op] != 0;
         step.in_mental = head >= 0 && translate_objects(objects, names.object, translated) &&
                          !in_mental_task.find_operators(head, translated).empty();
-        step.adds = adds_[op].empty() ? ~std::uint32_t{0} : mask_of(adds_[op]);
-        step.deletes = mask_of(deletes_[op]);
         std::ranges::copy(objects.first(std::min(objects.size(), kMaxArguments)), step.arguments.begin());
+        has_auxiliary_ |= schema < 0;
         steps_.push_back(step);
+        marks_.push_back({.adds = adds_[op].empty() ? ~std::uint32_t{0} : mask_of(adds_[op]),
+                          .deletes = mask_of(deletes_[op]),
+                          .is_human = human[op] != 0});
     }
 
     for (const auto fact : goals) places_of_goals_.push_back({composite.fact_variable[fact], composite.fact_value[fact]});
@@ -125,7 +126,7 @@ void TeamTables::find_requests(const Task& task) {
     std::vector<OperatorId> first_adder(static_cast<std::size_t>(task.num_facts()), -1);
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
         if ((*this)[op].schema < 0) continue;  // auxiliary: nobody's
-        if (!(*this)[op].is_human) {
+        if (!marks(op).is_human) {
             for (const auto fact : task.preconditions[op]) needed[fact] = true;
             continue;
         }
@@ -142,7 +143,7 @@ void TeamTables::find_requests(const Task& task) {
     std::vector<std::vector<std::int32_t>> requests_of_fact(static_cast<std::size_t>(task.num_facts()));
     asks_for.assign(static_cast<std::size_t>(task.num_operators()), -1);
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
-        if (!(*this)[op].is_human) continue;
+        if (!marks(op).is_human) continue;
         std::vector<FactId> facts;
         std::ranges::copy_if(task.adds[op], std::back_inserter(facts), is_asked_for);
         if (facts.empty()) continue;
@@ -154,11 +155,11 @@ void TeamTables::find_requests(const Task& task) {
     }
     for (OperatorId op = 0; op < task.num_operators(); ++op) {
         std::set<std::int32_t> fulfilled;
-        if (!(*this)[op].is_human && (*this)[op].schema >= 0)
+        if (!marks(op).is_human && (*this)[op].schema >= 0)
             for (const auto fact : task.preconditions[op])
                 fulfilled.insert(requests_of_fact[fact].begin(), requests_of_fact[fact].end());
         fulfils.push_back(fulfilled);
-        steps_[op + 1].fulfils = !fulfilled.empty();
+        marks_[op + 1].fulfils = !fulfilled.empty();
     }
 }
 
@@ -175,7 +176,6 @@ void TeamTables::find_goals(const Task& task) {
         for (const auto fact : all_adds(task, op))
             if (goal_of_fact[fact] >= 0) achieved.push_back(goal_of_fact[fact]);
         achieves.push_back(achieved);
-        steps_[op + 1].achieves = !achieved.empty();
     }
 }
 

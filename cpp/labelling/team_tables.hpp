@@ -2,8 +2,8 @@
 // every step is from every target, in the robot's own model and in the mental model (docs/labelling.md).
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -62,6 +62,9 @@ public:
         others_.back() = (std::uint64_t{1} << num_goals % kWord) - 1;
     }
 
+    // `open`: a bit for each of no more than 64.
+    OpenGoals(std::size_t num_goals, std::uint64_t open) : OpenGoals(num_goals) { first_ = open; }
+
     void close(std::size_t goal) { word(goal) &= ~(std::uint64_t{1} << goal % kWord); }
     bool is_open(std::size_t goal) const { return word(goal) >> goal % kWord & 1; }
     bool none() const {
@@ -87,7 +90,6 @@ struct GoalProgress {
     GoalProgress(Progress mental, Progress own, Progress mission)
         : code(static_cast<std::uint16_t>(static_cast<unsigned>(mission) << 8 | static_cast<unsigned>(own) << 4 |
                                           static_cast<unsigned>(mental))) {}
-    explicit GoalProgress(unsigned known) : code(static_cast<std::uint16_t>(known)) {}
     Progress mental() const { return static_cast<Progress>(code & 15); }  // toward the nearest
     Progress own() const { return static_cast<Progress>(code >> 4 & 15); }
     // Along the best order of all, in the mental model; toward the nearest if there are too many.
@@ -105,43 +107,27 @@ struct RequestProgress {
     Progress own() const { return static_cast<Progress>(code & 15); }
 };
 
-// What toward_goals() has answered last about a step: for which open goals (bits), and what. The same steps are asked about again
-// and again while few goals change.
-class LastAnswer {
-public:
-    static constexpr std::size_t kMaxGoals = 48;  // so that there is no key of all ones
-
-    LastAnswer() = default;
-    LastAnswer(const LastAnswer& other) : all_(other.all_.load(std::memory_order_relaxed)) {}
-
-    // Whoever asks about the same goals is told the same, in whatever order threads come.
-    template <class Find>
-    GoalProgress of(std::uint64_t goals, Find find) {
-        const auto known = all_.load(std::memory_order_relaxed);
-        if (known >> kBits == goals) return GoalProgress(known & ((1u << kBits) - 1));
-        const GoalProgress found = find();
-        all_.store(goals << kBits | found.code, std::memory_order_relaxed);
-        return found;
-    }
-
-private:
-    static constexpr int kBits = 12;
-    std::atomic<std::uint64_t> all_{~std::uint64_t{0}};
-};
-
 // What most features ask of an operator, in one cache line.
 struct alignas(64) TeamStep {
     std::int32_t schema = -1;  // negative: auxiliary
-    bool is_human = false;
-    bool in_mental = false;  // the mental task has it
-    bool fulfils = false;    // some request
-    bool achieves = false;   // some goal
-    std::uint32_t adds = 0, deletes = 0;  // some bits for each fact, shared by many
-    std::uint64_t concerned = 0;          // a bit for each goal on which its progress toward the goals depends
-    mutable LastAnswer toward_goals;
+    bool in_mental = false;    // the mental task has it
     std::array<std::int32_t, kMaxArguments> arguments{-1, -1, -1, -1, -1, -1, -1, -1};
 };
 static_assert(sizeof(TeamStep) == 64);
+
+// What must be known of an operator before it is asked for its features.
+struct StepMarks {
+    static constexpr std::size_t kMaxGoals = 63;  // with more there are no bits for goals
+
+    std::uint64_t concerned = 0;          // a bit for each goal on which its progress toward the goals depends
+    std::uint64_t achieves = 0;           // a bit for each goal
+    std::uint32_t adds = 0, deletes = 0;  // some bits for each fact, shared by many
+    bool is_human = false;
+    bool fulfils = false;  // some request
+
+    // Quick; false only if this step surely does not take back the earlier one.
+    bool may_take_back(const StepMarks& earlier) const { return (adds & ~earlier.deletes) == 0; }
+};
 
 class TeamTables {
 public:
@@ -155,6 +141,8 @@ public:
     std::int32_t num_operators() const { return static_cast<std::int32_t>(steps_.size()) - 1; }
     // -1: no step, of the schema `num_schemas`.
     const TeamStep& operator[](OperatorId step) const { return steps_.data()[step + 1]; }
+    const StepMarks& marks(OperatorId step) const { return marks_.data()[step + 1]; }
+    bool is_auxiliary(OperatorId step) const { return has_auxiliary_ && (*this)[step].schema < 0; }
     int num_requests() const { return request_facts.size(); }
     // A request stands until all its facts are gone.
     bool stands(const Task& task, const State& state, std::int32_t request) const;
@@ -166,9 +154,7 @@ public:
     }
     GoalProgress toward_goals(OperatorId step, const OpenGoals& open) const {
         if (open.none()) return {Progress::kNoTarget, Progress::kNoTarget, Progress::kNoTarget};
-        const auto find = [&] { return find_toward_goals(step, open); };
-        if (goals.size() > LastAnswer::kMaxGoals) return find();
-        return (*this)[step].toward_goals.of(open.bits() & (*this)[step].concerned, find);
+        return find_toward_goals(step, open);
     }
     // The goals that do not hold in a state.
     OpenGoals open_goals(const State& state) const {
@@ -177,17 +163,10 @@ public:
             if (state.values[places_of_goals_[goal].variable] == places_of_goals_[goal].value) open.close(goal);
         return open;
     }
-    // Asks the processor to fetch what toward_request() and toward_goals() will read.
-    void prefetch(OperatorId step, int request) const {
-        prefetch_line(&(*this)[step]);
-        if (request >= 0) prefetch_line(toward_request_.data() + place_of(step, request));
-    }
     // Whether an earlier step, or -1 for none, had deleted all that `step` adds.
     bool takes_back(OperatorId step, OperatorId earlier) const {
-        return may_take_back((*this)[step], (*this)[earlier]) && surely_takes_back(step, earlier);
+        return marks(step).may_take_back(marks(earlier)) && surely_takes_back(step, earlier);
     }
-    // Quick; false only if it surely does not.
-    static bool may_take_back(const TeamStep& step, const TeamStep& earlier) { return (step.adds & ~earlier.deletes) == 0; }
 
     int num_schemas = 0;
     std::size_t max_arity = 0;
@@ -218,6 +197,8 @@ private:
 
     std::vector<std::uint8_t> toward_request_;  // request x operator: codes of RequestProgress
     std::vector<TeamStep> steps_;  // that which is none, then all operators
+    bool has_auxiliary_ = false;  // operators that are nobody's
+    std::vector<StepMarks> marks_;  // of the same
     std::size_t width_ = 0;  // number of goals, padded to a multiple of kLanes by goals to which there is no way
     // A place is a set of facts, as far from a goal as the nearest of them. A step leads from a place to a place.
     std::vector<Distance> distances_;  // place x model x goal

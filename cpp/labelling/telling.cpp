@@ -43,4 +43,21 @@ void TellingScorer::extend(const std::byte* parent, OperatorId step, const State
     any().add_charge(context, price_);
 }
 
+std::unique_ptr<Counter> TellingScorer::counter() const {
+    class OfSets : public Counter {
+    public:
+        explicit OfSets(const TellingScorer& scorer) : scorer_(scorer), counters_(scorer.scorers_.size()) {}
+        double count(const std::byte* context, const State& state, std::span<const OperatorId> relaxed_plan) override {
+            auto& counter = counters_[scorer_.set_told(state)];
+            if (!counter) counter = scorer_.knowing(state).counter();
+            return counter->count(context, state, relaxed_plan);
+        }
+
+    private:
+        const TellingScorer& scorer_;
+        std::vector<std::unique_ptr<Counter>> counters_;
+    };
+    return std::make_unique<OfSets>(*this);
+}
+
 }  // namespace explicable

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "labelling/scorer.hpp"
@@ -42,9 +43,7 @@ public:
     PathScore score(const std::byte* context, const State& state, std::span<const OperatorId> plan) const override {
         return knowing(state).score(context, state, plan);
     }
-    double count(const std::byte* context, const State& state, std::span<const OperatorId> plan) const override {
-        return knowing(state).count(context, state, plan);
-    }
+    std::unique_ptr<Counter> counter() const override;
     // Two contexts are compared in one state, so the same has been told; and the rest is the same for all.
     std::uint64_t closing_key(const std::byte* context) const override { return any().closing_key(context); }
     double lead(const std::byte* a, const std::byte* b, const State& state) const override { return any().lead(a, b, state); }
@@ -66,9 +65,10 @@ private:
     double price_;
 
     const Scorer& any() const { return scorers_.front(); }
-    const Scorer& knowing(const State& state) const {
-        return scorers_[static_cast<std::size_t>(std::max(state.values[told_], 1)) - 1];  // 0: nothing told either
+    std::size_t set_told(const State& state) const {
+        return static_cast<std::size_t>(std::max(state.values[told_], 1)) - 1;  // 0: nothing told either
     }
+    const Scorer& knowing(const State& state) const { return scorers_[set_told(state)]; }
 };
 
 }  // namespace explicable

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <iterator>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -27,15 +28,15 @@ class Evaluator {
 public:
     Evaluator(const Question& question, const PathScorer* scorer, SupporterCost supporter_cost = SupporterCost::unit)
         : planner_(question.prepared, question.goal, supporter_cost),
-          scorer_(scorer),
+          counter_(scorer ? scorer->counter() : nullptr),
           real_costs_(supporter_cost != SupporterCost::unit) {}
 
     // |rp|, or with a scorer (1 + c) |rp| (Eq. 4 of the paper), c the number of inexplicable steps of path # rp.
     double evaluate(const NodeStore& nodes, NodeId node, const State& state) {
         if (!planner_.compute(state)) return dead_end;
-        if (!scorer_) return static_cast<double>(real_costs_ ? planner_.plan_cost() : std::ssize(planner_.plan()));
+        if (!counter_) return static_cast<double>(real_costs_ ? planner_.plan_cost() : std::ssize(planner_.plan()));
         const auto relaxed_plan = planner_.ordered_plan();
-        return (1.0 + nodes.count(node, state, relaxed_plan)) * static_cast<double>(relaxed_plan.size());
+        return (1.0 + counter_->count(nodes.context(node), state, relaxed_plan)) * static_cast<double>(relaxed_plan.size());
     }
     // Of the state evaluated last: the relaxed plan, one goal after another.
     std::span<const OperatorId> relaxed_plan() { return planner_.plan_by_goal(); }
@@ -46,11 +47,11 @@ public:
         if (kind == Preferred::relaxed_plan) planner_.in_plan(applicable, result);
     }
     // In labelled search best-first search orders by f = g + h, as the paper does; plain greedy search by h alone.
-    Key key(double cost, double h) const { return scorer_ ? Key{cost + h, h} : Key{h, 0.0}; }
+    Key key(double cost, double h) const { return counter_ ? Key{cost + h, h} : Key{h, 0.0}; }
 
 private:
     RelaxedPlanner planner_;
-    const PathScorer* scorer_;
+    std::unique_ptr<Counter> counter_;  // of inexplicable steps; none in plain search
     bool real_costs_;
 };
 

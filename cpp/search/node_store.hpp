@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "search/path_scorer.hpp"
@@ -47,11 +46,7 @@ public:
     std::int32_t size() const { return static_cast<std::int32_t>(nodes_.size()); }
     std::size_t memory_bytes() const;
 
-    // Inexplicable steps among the path to `node` and `relaxed_plan` from it.
-    double count(NodeId node, const State& state, std::span<const OperatorId> relaxed_plan) const {
-        return scorer_->count(contexts_.row(node), state, relaxed_plan);
-    }
-    // Of the path to `node` alone; kept with context closing only.
+    // Inexplicable steps of the path to `node`, and all; kept with context closing only.
     double path_count(NodeId node) const { return rivals_[node].count; }
     int path_steps(NodeId node) const { return rivals_[node].num_steps; }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "task/state.hpp"
@@ -14,6 +15,14 @@ struct PathScore {
     double num_inexplicable;
     double variance;
     int num_steps;
+};
+
+// Answers one search, which asks about one node after another; it may remember what it has been asked.
+class Counter {
+public:
+    virtual ~Counter() = default;
+    // The number of inexplicable steps alone, which is all that a search asks for.
+    virtual double count(const std::byte* context, const State& state, std::span<const OperatorId> relaxed_plan) = 0;
 };
 
 // Thread-safe: all methods are const and keep what they need in the contexts that the caller owns.
@@ -28,10 +37,8 @@ public:
                         std::byte* context) const = 0;
     virtual PathScore score(const std::byte* context, const State& state,
                             std::span<const OperatorId> relaxed_plan) const = 0;
-    // The same number alone, which is all that a search asks for.
-    virtual double count(const std::byte* context, const State& state, std::span<const OperatorId> relaxed_plan) const {
-        return score(context, state, relaxed_plan).num_inexplicable;
-    }
+    // It must not outlive the scorer. By default it asks for scores.
+    virtual std::unique_ptr<Counter> counter() const;
     // Contexts with equal keys are comparable by `lead`.
     virtual std::uint64_t closing_key(const std::byte* context) const = 0;
     // At most so many more steps are inexplicable after `a` than after `b`, whatever follows both; infinite if not known.
@@ -56,5 +63,19 @@ public:
     virtual std::uint64_t outlook_key(const std::byte*) const { return 0; }
     virtual void widen(std::byte* /*context*/, const std::byte* /*other*/) const {}
 };
+
+inline std::unique_ptr<Counter> PathScorer::counter() const {
+    class OfScores : public Counter {
+    public:
+        explicit OfScores(const PathScorer& scorer) : scorer_(scorer) {}
+        double count(const std::byte* context, const State& state, std::span<const OperatorId> relaxed_plan) override {
+            return scorer_.score(context, state, relaxed_plan).num_inexplicable;
+        }
+
+    private:
+        const PathScorer& scorer_;
+    };
+    return std::make_unique<OfScores>(*this);
+}
 
 }  // namespace explicable

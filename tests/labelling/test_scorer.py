@@ -52,6 +52,28 @@ def test_scores_equal_scores_from_scratch(team, expected, seed):
             assert (count, variance) == pytest.approx(oracle, abs=1e-9)
 
 
+@pytest.mark.parametrize("expected", [True, False])
+@pytest.mark.parametrize("scale", [1, 30])
+@settings(max_examples=40)
+@given(st.integers(0, 2**32 - 1))
+def test_counts_with_a_memory_are_the_counts_without(team, expected, scale, seed):
+    # The tails share most pairs of steps, in other states, after other requests and with other goals open. Large weights give odds
+    # that can't be multiplied.
+    rng = np.random.default_rng(seed)
+    labeller = random_labeller(team, np.random.default_rng(seed % 5))
+    labeller.model.state_weights_ *= scale
+    scorer = labeller.scorer(team, expected=expected)
+    steps = rng.integers(team.task.num_operators, size=8)
+    for _ in range(6):
+        operators, states = walk(team.task, rng, int(rng.integers(12)))
+        context = extend_all(scorer, operators, states)
+        for _ in range(6):
+            tail = rng.choice(steps, size=rng.integers(12)).tolist()
+            count = scorer.count(context, states[-1], tail)
+            assert count == pytest.approx(scorer.score(context, states[-1], tail)[0], abs=1e-9)
+            assert scorer.count(context, states[-1], tail) == count
+
+
 def alike(team, scorer, key, rng, num_walks=3000):
     """Contexts of random walks that agree in state and key, in groups of several."""
     groups = {}
