@@ -124,6 +124,7 @@ void Scorer::advance(Context& context, Labels& labels, OperatorId step, const Op
 }
 
 Scorer::StepScore Scorer::judge(const Situation& situation, OperatorId step, const OpenGoals& goals) const {
+    if (step < 0) return {look_ahead(situation, -1, kNothing), 0, kNothing};
     int neighbour = kHumanStep;
     const double own = is_human(step) ? kExplicable : own_score(situation, step, goals, neighbour);
     const Pair pair = pair_score(situation, step, neighbour);

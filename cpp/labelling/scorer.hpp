@@ -144,7 +144,7 @@ private:
     void advance(Context& context, Labels& labels, OperatorId step, const OpenGoals& goals) const;
     template <class Labels>
     void walk(Context& context, Labels& labels, const State& state, std::span<const OperatorId> relaxed_plan) const;
-    // What a step adds to the scores, but for what it takes back.
+    // What a step, or -1 for the end, adds to the scores, but for what it takes back.
     struct StepScore {
         double of_last, of_step;
         int neighbour;  // how the steps beside it see it

@@ -11,7 +11,7 @@ namespace explicable {
 namespace {
 
 // Random odd numbers: the upper bits of sums of products with such are well mixed (Dietzfelbinger 1996).
-constexpr std::uint64_t kOfSteps = 0x9E3779B97F4A7C15u, kOfGoals = 0xD1B54A32D192ED03u;
+constexpr std::uint64_t kOfSteps = 0x9E3779B97F4A7C15u, kOfGoals = 0xD1B54A32D192ED03u, kOfMind = 0x8CB92BA72F3D8DD7u;
 constexpr double kMostScore = 150;  // a product of four odds within this neither overflows a tally nor vanishes
 
 std::uint64_t both(std::int32_t a, std::int32_t b) {
@@ -59,16 +59,17 @@ public:
 
     double count(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) override {
         const Context context = read(node);
+        if (context.num_steps == 0 && relaxed_plan.empty()) return 0;
         list_questions(context.situation, state, relaxed_plan);
         find_odds(context);
         if (are_odds_too_large_) return scorer_.score(node, state, relaxed_plan).num_inexplicable;
         auto tally = tally_of<1>(context.chain);
         for (const double odds : odds_) tally.append_odds(scorer_.factors_, odds);
-        return odds_.empty() ? 0 : tally.mean();
+        return tally.mean();
     }
 
 private:
-    // What are the odds that a step is inexplicable?
+    // What are the odds that a step, or -1 for the end, leaves to the one before it and has itself of being inexplicable?
     struct Question {
         std::uint64_t key;   // all that the answer hangs on, but for steps taken back
         std::uint64_t open;  // goals: a bit for each
@@ -79,19 +80,19 @@ private:
 
     void list_questions(Situation situation, const State& state, std::span<const OperatorId> relaxed_plan) {
         for (const auto step : relaxed_plan) prefetch_line(&tables_.marks(step));
-        questions_.resize(relaxed_plan.size());
+        questions_.resize(relaxed_plan.size() + 1);
         auto question = questions_.begin();
         RecentSteps recent(tables_, situation);
         auto open = tables_.open_goals(state).bits();
         auto mind = mind_of(situation);
         // How a step is seen by the next hangs on the mind in which it is taken. Since the last step of the path requests may have
         // been withdrawn.
-        auto mind_before = combine(1, static_cast<std::uint64_t>(situation.neighbour));
+        auto mind_before = both(situation.neighbour, -2) * kOfMind;  // -2: no human's step
         for (const auto step : relaxed_plan) {
             if (tables_.is_auxiliary(step)) continue;
             const StepMarks& marks = tables_.marks(step);
             const bool may_fulfil = marks.fulfils && situation.num_open > 0;
-            const auto mind_here = may_fulfil && scorer_.fulfils_open(situation, step) ? combine(mind, 1) : mind;
+            const auto mind_here = may_fulfil && scorer_.fulfils_open(situation, step) ? ~mind : mind;
             const auto concerned = (open & marks.concerned) | std::uint64_t{open == 0} << StepMarks::kMaxGoals;
             const auto key = both(step, situation.last) * kOfSteps + concerned * kOfGoals + (mind_here ^ std::rotl(mind_before, 32));
             memory_->prefetch(key);
@@ -109,6 +110,9 @@ private:
                 mind = mind_of(situation);
             }
         }
+        const auto key = both(-1, situation.last) * kOfSteps + std::rotl(mind_before, 32);
+        memory_->prefetch(key);
+        *question++ = {key, 0, 0, -1, false};
         questions_.erase(question, questions_.end());
     }
 
@@ -116,7 +120,6 @@ private:
     void find_odds(const Context& context) {
         odds_.clear();
         are_odds_too_large_ = false;
-        if (context.num_steps == 0 && questions_.empty()) return;
         Situation situation = context.situation;
         auto up_to_date = questions_.begin();  // the requests of the situation, before this step
         double pending = odds_of(context.pending);
@@ -136,7 +139,6 @@ private:
             situation.last = question->step;
             situation.neighbour = place.neighbour;
         }
-        odds_.push_back(pending * odds_of(scorer_.look_ahead(situation, -1, kNothing)));
     }
     double odds_of(double score) {
         are_odds_too_large_ |= std::abs(score) > kMostScore && score != kExplicable;
@@ -144,8 +146,7 @@ private:
     }
     // What the person has in mind, as far as scores hang on it.
     std::uint64_t mind_of(const Situation& situation) const {
-        return combine(combine(0, static_cast<std::uint64_t>(situation.request())),
-                       static_cast<std::uint64_t>(scorer_.uses_human_ ? situation.last_human : -1));
+        return both(situation.request(), scorer_.uses_human_ ? situation.last_human : -1) * kOfMind;
     }
 
     const Scorer& scorer_;

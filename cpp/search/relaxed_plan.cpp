@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 namespace explicable {
 
@@ -122,13 +123,15 @@ void RelaxedPlanner::extract_for(FactId goal) {
 }
 
 std::span<const OperatorId> RelaxedPlanner::ordered_plan() {
-    sort_supports();
-    sorted_.clear();
+    costs_.clear();
+    for (const std::int32_t support : supports_) costs_.push_back(cost_of(support));
     if (!several_pieces_) {
-        for (const std::int32_t support : by_cost_) sorted_.push_back(relaxed_.owner[support]);
+        sort_by_cost(plan_, sorted_);
         plan_.swap(sorted_);
         return plan_;
     }
+    sort_by_cost(supports_, by_cost_);
+    sorted_.clear();
     std::size_t layer = 0;  // where the present cost begins in sorted_
     std::int32_t layer_cost = 0;
     for (const std::int32_t support : by_cost_) {
@@ -145,20 +148,21 @@ std::span<const OperatorId> RelaxedPlanner::ordered_plan() {
     return plan_;
 }
 
-// Sets by_cost_ to supports_ in the order of their costs, stable, so that what is needed still comes first.
-void RelaxedPlanner::sort_supports() {
-    std::int32_t highest = 0;
-    for (const std::int32_t support : supports_) highest = std::max(highest, cost_of(support));
-    by_cost_ = supports_;
+// Stable, so that what is needed still comes first. `values` has one value for each of `costs_`.
+void RelaxedPlanner::sort_by_cost(const std::vector<std::int32_t>& values, std::vector<std::int32_t>& sorted) {
+    const std::int32_t highest = costs_.empty() ? 0 : *std::max_element(costs_.begin(), costs_.end());
+    sorted.resize(values.size());
     if (highest > most_counted_cost) {
-        std::stable_sort(by_cost_.begin(), by_cost_.end(),
-                         [this](std::int32_t a, std::int32_t b) { return cost_of(a) < cost_of(b); });
+        places_.resize(values.size());
+        std::iota(places_.begin(), places_.end(), 0);
+        std::stable_sort(places_.begin(), places_.end(), [this](std::int32_t a, std::int32_t b) { return costs_[a] < costs_[b]; });
+        std::transform(places_.begin(), places_.end(), sorted.begin(), [&](std::int32_t place) { return values[place]; });
         return;
     }
     places_.assign(highest + 2, 0);
-    for (const std::int32_t support : supports_) ++places_[cost_of(support) + 1];
+    for (const std::int32_t cost : costs_) ++places_[cost + 1];
     for (std::int32_t cost = 0; cost <= highest; ++cost) places_[cost + 1] += places_[cost];
-    for (const std::int32_t support : supports_) by_cost_[places_[cost_of(support)]++] = support;
+    for (std::size_t i = 0; i < values.size(); ++i) sorted[places_[costs_[i]]++] = values[i];
 }
 
 std::span<const OperatorId> RelaxedPlanner::plan_by_goal() {

@@ -56,7 +56,7 @@ private:
     std::vector<std::uint32_t> fact_seen_, fact_first_, operator_seen_;  // round of the mark
     std::uint32_t round_ = 0;
     std::vector<Visit> stack_;
-    std::vector<std::int32_t> by_cost_, places_;
+    std::vector<std::int32_t> costs_, by_cost_, places_;  // of supports_; those in order of cost
     std::vector<OperatorId> sorted_;
     std::int32_t h_add_ = 0;
     bool several_pieces_;
@@ -76,7 +76,7 @@ private:
     bool explore(const State& state);
     void extract(std::span<const FactId> goal);
     void extract_for(FactId goal);
-    void sort_supports();
+    void sort_by_cost(const std::vector<std::int32_t>& values, std::vector<std::int32_t>& sorted);
 };
 
 }  // namespace explicable
