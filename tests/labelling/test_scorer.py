@@ -57,8 +57,8 @@ def test_scores_equal_scores_from_scratch(team, expected, seed):
 @settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1))
 def test_counts_with_a_memory_are_the_counts_without(team, expected, scale, seed):
-    # The tails share most pairs of steps, in other states, after other requests and with other goals open. Large weights give odds
-    # that can't be multiplied.
+    # The tails share most pairs of steps, in other states, after other requests and with other goals open.
+    # Large weights give odds that can't be multiplied.
     rng = np.random.default_rng(seed)
     labeller = random_labeller(team, np.random.default_rng(seed % 5))
     labeller.model.state_weights_ *= scale
