@@ -212,7 +212,8 @@ def _labelled(records: Records) -> Iterator[str]:
     plain, with_labels = rates(runs, PLAIN), rates(runs, LABELLED)
     yield "## Search with a labeller\n"
     yield "Eager greedy search, five seeds of 5000 evaluations at most; CPU time. The labeller is trained on"
-    yield "plans of the task whose labels are drawn at random: only its time counts here.\n"
+    yield "plans of the task whose labels are drawn at random: only its time counts here."
+    yield "Commit {commit}, {date}, load {load:.1f}; n = {runs} runs.\n".format(**runs.header)
     rows = []
     for task in runs.tasks():
         mine, other = with_labels.get(task), plain.get(task)

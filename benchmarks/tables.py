@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import fmean, median
 
@@ -32,14 +32,16 @@ class Sample:
 
 @dataclass(frozen=True, slots=True)
 class Records:
-    """All runs of one invocation."""
+    """All runs; what is said of the first invocation, and of those that measured an experiment anew."""
 
     header: dict
     runs: tuple[dict, ...]
+    anew: dict[str, dict] = field(default_factory=dict)
 
     def of(self, experiment: str) -> "Records":
         """Select the runs of one experiment."""
-        return Records(self.header, tuple(run for run in self.runs if run["experiment"] == experiment))
+        runs = tuple(run for run in self.runs if run["experiment"] == experiment)
+        return Records(self.anew.get(experiment, self.header), runs)
 
     def tasks(self) -> list[str]:
         """Names of tasks, in the order of the runs."""
@@ -63,9 +65,16 @@ class Records:
 
 
 def read_records(path: Path) -> Records:
-    """Read the JSON lines that `run.py` wrote."""
-    header, *runs = map(json.loads, path.read_text().splitlines())
-    return Records(header, tuple(runs))
+    """Read the JSON lines that `run.py` wrote; a later header is that of the runs after it."""
+    headers, runs, anew = [], [], {}
+    for line in map(json.loads, path.read_text().splitlines()):
+        if line["experiment"] == "header":
+            headers.append(line)
+            continue
+        runs.append(line)
+        if len(headers) > 1:
+            anew[line["experiment"]] = headers[-1]
+    return Records(headers[0], tuple(runs), anew)
 
 
 def geometric_mean(values: Iterable[float]) -> float:
