@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -90,6 +91,7 @@ struct GoalProgress {
     GoalProgress(Progress mental, Progress own, Progress mission)
         : code(static_cast<std::uint16_t>(static_cast<unsigned>(mission) << 8 | static_cast<unsigned>(own) << 4 |
                                           static_cast<unsigned>(mental))) {}
+    explicit GoalProgress(unsigned known) : code(static_cast<std::uint16_t>(known)) {}
     Progress mental() const { return static_cast<Progress>(code & 15); }  // toward the nearest
     Progress own() const { return static_cast<Progress>(code >> 4 & 15); }
     // Along the best order of all, in the mental model; toward the nearest if there are too many.
@@ -107,10 +109,35 @@ struct RequestProgress {
     Progress own() const { return static_cast<Progress>(code & 15); }
 };
 
+// What toward_goals() has answered last about a step: for which open goals (bits), and what. The same steps are asked about again
+// and again while few goals change.
+class LastAnswer {
+public:
+    static constexpr std::size_t kMaxGoals = 48;  // so that there is no key of all ones
+
+    LastAnswer() = default;
+    LastAnswer(const LastAnswer& other) : all_(other.all_.load(std::memory_order_relaxed)) {}
+
+    // Whoever asks about the same goals is told the same, in whatever order threads come.
+    template <class Find>
+    GoalProgress of(std::uint64_t goals, Find find) {
+        const auto known = all_.load(std::memory_order_relaxed);
+        if (known >> kBits == goals) return GoalProgress(known & ((1u << kBits) - 1));
+        const GoalProgress found = find();
+        all_.store(goals << kBits | found.code, std::memory_order_relaxed);
+        return found;
+    }
+
+private:
+    static constexpr int kBits = 12;
+    std::atomic<std::uint64_t> all_{~std::uint64_t{0}};
+};
+
 // What most features ask of an operator, in one cache line.
 struct alignas(64) TeamStep {
     std::int32_t schema = -1;  // negative: auxiliary
     bool in_mental = false;    // the mental task has it
+    mutable LastAnswer toward_goals;
     std::array<std::int32_t, kMaxArguments> arguments{-1, -1, -1, -1, -1, -1, -1, -1};
 };
 static_assert(sizeof(TeamStep) == 64);
@@ -154,7 +181,9 @@ public:
     }
     GoalProgress toward_goals(OperatorId step, const OpenGoals& open) const {
         if (open.none()) return {Progress::kNoTarget, Progress::kNoTarget, Progress::kNoTarget};
-        return find_toward_goals(step, open);
+        const auto find = [&] { return find_toward_goals(step, open); };
+        if (goals.size() > LastAnswer::kMaxGoals) return find();
+        return (*this)[step].toward_goals.of(open.bits() & marks(step).concerned, find);
     }
     // The goals that do not hold in a state.
     OpenGoals open_goals(const State& state) const {
