@@ -19,6 +19,13 @@
 
 namespace explicable {
 
+inline std::uint64_t combine(std::uint64_t key, std::uint64_t value) {  // splitmix64 of both
+    key += value + 0x9E3779B97F4A7C15u;
+    key = (key ^ (key >> 30)) * 0xBF58476D1CE4E5B9u;
+    key = (key ^ (key >> 27)) * 0x94D049BB133111EBu;
+    return key ^ (key >> 31);
+}
+
 inline constexpr int kMaxRequests = 8;  // a person keeps so many open requests in mind; older ones are forgotten
 inline constexpr int kRecentSteps = 4;  // steps of robots that a later one may take back
 inline constexpr double kExplicable = -std::numeric_limits<double>::infinity();  // score of a human step, explicable by definition

@@ -14,13 +14,6 @@
 
 namespace explicable {
 
-inline std::uint64_t combine(std::uint64_t key, std::uint64_t value) {  // splitmix64 of both
-    key += value + 0x9E3779B97F4A7C15u;
-    key = (key ^ (key >> 30)) * 0xBF58476D1CE4E5B9u;
-    key = (key ^ (key >> 27)) * 0x94D049BB133111EBu;
-    return key ^ (key >> 31);
-}
-
 // One place for each key, where the latest is kept. Not thread-safe.
 class StepMemory {
 public:
