@@ -78,7 +78,7 @@ public:
     void charge_for(std::shared_ptr<const HumanChoices> choices, const HumanWeights& weights, double price);
 
 private:
-    class MindfulCounter;
+    class RememberingCounter;
     struct Span {
         double least, greatest;
         void cover(double value) {

@@ -50,12 +50,12 @@ private:
 
 }  // namespace
 
-class Scorer::MindfulCounter : public Counter {
+class Scorer::RememberingCounter : public Counter {
 public:
-    explicit MindfulCounter(const Scorer& scorer)
+    explicit RememberingCounter(const Scorer& scorer)
         : scorer_(scorer), tables_(*scorer.tables_), memory_(scorer.memories_->lend()) {}
-    ~MindfulCounter() override { scorer_.memories_->take_back(std::move(memory_)); }
-    MindfulCounter(const MindfulCounter&) = delete;
+    ~RememberingCounter() override { scorer_.memories_->take_back(std::move(memory_)); }
+    RememberingCounter(const RememberingCounter&) = delete;
 
     double count(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) override {
         const Context context = read(node);
@@ -159,7 +159,7 @@ private:
 
 std::unique_ptr<Counter> Scorer::counter() const {
     const bool can_remember = expected_ && tables_->goals.size() <= StepMarks::kMaxGoals;
-    return can_remember ? std::make_unique<MindfulCounter>(*this) : PathScorer::counter();
+    return can_remember ? std::make_unique<RememberingCounter>(*this) : PathScorer::counter();
 }
 
 }  // namespace explicable
