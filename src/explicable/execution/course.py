@@ -103,7 +103,7 @@ class Course(Position):
         after = self.truth.after(self.state, action)
         if after is None:
             raise PlanError(f"{format_action(action)} can't be executed there")
-        self._thought = self.setting.thoughts.watch(self._thought, action, self.state, after)
+        self._thought = self._thoughts.watch(self._thought, action, self.state, after)
         self.state = after
         self.steps.append(LabelledStep(self.setting.problem.agent_of(action).name, action, time=self._time_s))
         self._failures.clear()
@@ -158,7 +158,7 @@ class Course(Position):
         way = self.truth.fulfilment_way(self.state, request)
         if way is None:
             self.refused |= {request.action}
-            self._thought = self.setting.thoughts.give_up(self._thought, request)
+            self._thought = self._thoughts.give_up(self._thought, request)
         else:
             self.plan = tuple(self.truth.task.action(operator) for operator in way)
 

@@ -8,6 +8,7 @@ from explicable.execution import mind as minds
 from explicable.execution.mind import Mind
 from explicable.execution.participants import Participant
 from explicable.execution.setting import Setting
+from explicable.execution.thoughts import Thoughts
 from explicable.labelling.traces import Origin
 from explicable.model.problem import GroundAtom
 from explicable.model.requests import Request
@@ -55,7 +56,7 @@ class Watcher:
         self.name = name
         self.origin: Origin = "simulated"
         self.setting = setting
-        self._thoughts = setting.thoughts
+        self._thoughts = setting.shared(Thoughts)
         self._thought = self._thoughts.first
 
     @property

@@ -12,6 +12,7 @@ from explicable.execution.notices import Notice, Occurrence
 from explicable.execution.plans import Situation
 from explicable.execution.robots.protocol import Fact
 from explicable.execution.setting import Setting
+from explicable.execution.thoughts import Thoughts
 from explicable.model.plan import Actions
 from explicable.model.problem import GroundAtom
 from explicable.model.requests import Request
@@ -59,7 +60,8 @@ class Position:
         self.truth = setting.truth
         self.monitor = State.DECIDING
         self.state = self.truth.task.initial_state
-        self._thought = setting.thoughts.first
+        self._thoughts = setting.shared(Thoughts)
+        self._thought = self._thoughts.first
         self.plan: Actions = ()
         self.steps: list[LabelledStep] = []
         self.occurrences: list[Occurrence] = []

@@ -111,7 +111,7 @@ class PersonFilter:
             raise UsageError("a filter needs a guess or more, a temperature above 0, a lapse in (0, 1)")
         self.setting, self._rng = setting, rng
         self.temperature, self.lapse = temperature, lapse
-        self._thoughts = thoughts or setting.thoughts
+        self._thoughts = thoughts or setting.shared(Thoughts)
         self._crowd = _Crowd(drawn)
         self._facts_until: list[tuple[float, ...]] = [()] * len(drawn)
         self._thinking = [self._thoughts.first] * len(drawn)

@@ -1,9 +1,9 @@
 """A team problem made ready for play: the truth, the beliefs, and what differs between them."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TypeVar, cast
 
 from explicable.execution.outlook import Outlook
 from explicable.execution.stage import build_stage, differences, sayable
@@ -12,8 +12,7 @@ from explicable.model.problem import GroundAtom, Problem
 from explicable.model.task import Task
 from explicable.model.team import TeamProblem
 
-if TYPE_CHECKING:
-    from explicable.execution.thoughts import Thoughts
+Shared = TypeVar("Shared")
 
 
 @dataclass(frozen=True)
@@ -40,12 +39,24 @@ class Setting:
     differing: tuple[GroundAtom, ...]
     same_schemas: bool
 
-    @cached_property
-    def thoughts(self) -> "Thoughts":
-        """What may go on in the heads of all who watch its games."""
-        from explicable.execution.thoughts import Thoughts  # these are of a setting
+    def shared(self, kind: Callable[["Setting"], Shared]) -> Shared:
+        """Return what is made of a setting once, for all who play there.
 
-        return Thoughts(self)
+        Examples
+        --------
+        >>> from explicable.execution.thoughts import Thoughts
+        >>> from explicable.first_response import World, encode
+        >>> setting = prepare(encode(World(("*@*",))))
+        >>> setting.shared(Thoughts) is setting.shared(Thoughts)
+        True
+        """
+        if kind not in self._made:
+            self._made[kind] = kind(self)
+        return cast("Shared", self._made[kind])
+
+    @cached_property
+    def _made(self) -> dict[object, object]:
+        return {}
 
 
 def prepare(problem: TeamProblem, observable: Iterable[GroundAtom] = ()) -> Setting:

@@ -62,7 +62,7 @@ class Thought:
 
 
 class Thoughts:
-    """The thoughts of all who watch games of one setting: those of `Setting.thoughts`.
+    """The thoughts of all who watch games of one setting: shared by all of them (`Setting.shared`).
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class Thoughts:
     >>> from explicable.execution import prepare
     >>> from explicable.first_response import World, encode
     >>> setting = prepare(encode(World(("*@*",))))
-    >>> thoughts = setting.thoughts
+    >>> thoughts = setting.shared(Thoughts)
     >>> list(thoughts.choices(thoughts.first, temperature=1.0, lapse=0.1).values())
     [0.5, 0.5]
     """
