@@ -1,4 +1,4 @@
-"""Why a precondition fails, in the words of the domain.
+"""Why a step is not possible, in the words of the domain.
 
 Slow and plain: it runs once, when a plan is refused.
 """
@@ -25,7 +25,32 @@ from explicable.model.problem import (
 Binding = Mapping[str, str]
 
 
-def failing_part(
+def object_to_step(problem: Problem, action: GroundAtom, is_true: Callable[[GroundAtom], bool]) -> str:
+    """Say what a step that is not applicable lacks, or why it is none.
+
+    Examples
+    --------
+    >>> from explicable.first_response import World, encode
+    >>> problem = encode(World(("@*",))).robot
+    >>> object_to_step(problem, ("move", "r1", "c-0-0", "c-0-1"), lambda atom: atom[0] == "at")
+    'lacks (adjacent c-0-0 c-0-1)'
+    """
+    schema = next((schema for schema in problem.domain.actions if action[:1] == (schema.name,)), None)
+    if schema is None:
+        return "is no action of the domain"
+    if len(action) - 1 != len(schema.parameters):
+        return f"has {len(action) - 1} arguments instead of {len(schema.parameters)}"
+    for name in action[1:]:
+        if name not in problem.domain.constants and name not in problem.objects:
+            return f"names an unknown object, {name}"
+    binding = {p.name: name for p, name in zip(schema.parameters, action[1:], strict=True)}
+    failing = _failing_part(problem, schema, binding, is_true)
+    if failing is None:
+        return "is not possible in this task"
+    return f"lacks {format_formula(failing, binding)}"
+
+
+def _failing_part(
     problem: Problem, schema: ActionSchema, binding: Binding, is_true: Callable[[GroundAtom], bool]
 ) -> Formula | None:
     """Return the first conjunct of an action's precondition that fails, or None if all hold."""

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NewType
 
 from explicable import _core
 from explicable.errors import PlanError, UsageError
-from explicable.model.explanation import failing_part, format_formula
+from explicable.model.explanation import object_to_step
 from explicable.model.memory import available_memory_bytes
 from explicable.model.problem import GroundAtom, Problem
 
@@ -231,28 +231,11 @@ class Task:
         for number, action in enumerate(actions, start=1):
             possible = [o for o in self.operators_of(action) if self.is_applicable(states[-1], o)]
             if not possible:
-                text = " ".join(action)
-                objection = self._objection(action, states[-1])
-                raise PlanError(f"step {number}, ({text}), {objection}", step=number)
+                objection = object_to_step(self.problem, action, partial(self.holds, state=states[-1]))
+                raise PlanError(f"step {number}, ({' '.join(action)}), {objection}", step=number)
             operators.append(possible[0])
             states.append(self.successor(states[-1], possible[0]))
         return Execution(tuple(operators), tuple(states), sum(map(self.cost, operators)))
-
-    def _objection(self, action: GroundAtom, state: State) -> str:
-        number = self._schema_numbers.get(action[0]) if action else None
-        if number is None:
-            return "is no action of the domain"
-        schema = self.problem.domain.actions[number]
-        if len(action) - 1 != len(schema.parameters):
-            return f"has {len(action) - 1} arguments instead of {len(schema.parameters)}"
-        for name in action[1:]:
-            if name not in self._object_numbers:
-                return f"names an unknown object, {name}"
-        binding = {p.name: name for p, name in zip(schema.parameters, action[1:], strict=True)}
-        failing = failing_part(self.problem, schema, binding, lambda atom: self.holds(atom, state))
-        if failing is None:
-            return "is not possible in this task"
-        return f"lacks {format_formula(failing, binding)}"
 
     @cached_property
     def _actions(self) -> dict[int, GroundAtom]:
