@@ -71,7 +71,7 @@ def plan_within_budget(
     >>> plan_within_budget(ground_team(encode(World((".@*",)))), labeller, max_cost_increase=0.1).plan.cost
     3
     """
-    choose((), max_cost_increase=max_cost_increase, min_explicability=min_explicability)  # refused at once
+    _check_budget(max_cost_increase, min_explicability)
     deadline = Deadline.after(time_limit_s)
     features = labeller.features(team_task)
     searches: list[TeamPlan] = []
@@ -107,13 +107,16 @@ def plan_within_budget(
         chosen = _cheapest_of(solve, cheapest.plan.cost, min_explicability or 0.0, deadline)
     if chosen.plan is None or chosen.explicability < (min_explicability or 0.0):
         chosen = replace(chosen, outcome=Outcome.LIMIT, plan=None, labelled=None, objective=None)
-    interrupted = any(found.outcome is Outcome.INTERRUPTED for found in searches)
-    return replace(
-        chosen,
-        outcome=Outcome.INTERRUPTED if interrupted else chosen.outcome,
-        evaluations=sum(found.evaluations for found in searches),
-        search_s=sum(found.search_s for found in searches),
-    )
+    return _with_effort(chosen, searches)
+
+
+def _check_budget(max_cost_increase: float | None, min_explicability: float | None) -> None:
+    if max_cost_increase is None and min_explicability is None:
+        raise UsageError("a budget is needed: of cost or of explicability")
+    if max_cost_increase is not None and not 0 <= max_cost_increase < math.inf:
+        raise UsageError(f"the cost can't be allowed to increase by {max_cost_increase}")
+    if min_explicability is not None and not 0 <= min_explicability <= 1:
+        raise UsageError(f"explicability is from 0 to 1, not {min_explicability}")
 
 
 def _cheapest_of(
@@ -141,6 +144,17 @@ def _cheapest_of(
     return best
 
 
+def _with_effort(chosen: TeamPlan, searches: Sequence[TeamPlan]) -> TeamPlan:
+    """Return a plan with what all searches took together; interrupted if one of them was."""
+    interrupted = any(found.outcome is Outcome.INTERRUPTED for found in searches)
+    return replace(
+        chosen,
+        outcome=Outcome.INTERRUPTED if interrupted else chosen.outcome,
+        evaluations=sum(found.evaluations for found in searches),
+        search_s=sum(found.search_s for found in searches),
+    )
+
+
 def choose(
     plans: Sequence[FrontPlan],
     *,
@@ -166,12 +180,7 @@ def choose(
     UsageError
         If neither is given, or one is out of range.
     """
-    if max_cost_increase is None and min_explicability is None:
-        raise UsageError("a budget is needed: of cost or of explicability")
-    if max_cost_increase is not None and not 0 <= max_cost_increase < math.inf:
-        raise UsageError(f"the cost can't be allowed to increase by {max_cost_increase}")
-    if min_explicability is not None and not 0 <= min_explicability <= 1:
-        raise UsageError(f"explicability is from 0 to 1, not {min_explicability}")
+    _check_budget(max_cost_increase, min_explicability)
     fitting = [found for found in plans if found.explicability >= (min_explicability or 0.0)]
     if max_cost_increase is None:
         return min(fitting, key=lambda found: found.plan.cost, default=None)
