@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 
 from explicable.model.plan import JointPlan
 from explicable.model.task import Task
-from explicable.model.team import TeamTask
 from explicable.planning.deadline import Deadline
 from explicable.planning.differences import Difference
 from explicable.planning.explanation import tell
-from explicable.planning.team_plan import joint_plan
+from explicable.planning.team_plan import plan_of
 from explicable.planning.tellings import Telling
 from explicable.search import search
 
@@ -147,9 +146,3 @@ def _part_tellings(task: Task, operators: Sequence[int]) -> tuple[list[int], lis
             told.append(thing)
             times.append(len(steps))
     return steps, told, times
-
-
-def plan_of(team_task: TeamTask, operators: Sequence[int]) -> JointPlan:
-    """Make a joint plan of operators."""
-    task = team_task.task
-    return joint_plan(team_task, tuple(map(task.action, operators)), sum(map(task.cost, operators)))

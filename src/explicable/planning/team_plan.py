@@ -88,6 +88,12 @@ def joint_plan(team_task: TeamTask, actions: tuple[GroundAtom, ...], cost: int) 
     return JointPlan(tuple(Step(agent_of(action).name, action) for action in actions), cost)
 
 
+def plan_of(team_task: TeamTask, operators: Sequence[int]) -> JointPlan:
+    """Make a joint plan of operators of the composite task."""
+    task = team_task.task
+    return joint_plan(team_task, tuple(map(task.action, operators)), sum(map(task.cost, operators)))
+
+
 def check_alpha(alpha: float) -> float:
     """Return ``alpha``, the price of one inexplicable step in the unit of cost.
 
@@ -128,14 +134,13 @@ def best_plan(
     chosen: tuple[float, JointPlan, LabelledPlan | None, PredictedSteps | None] | None = None
     for result in reversed(results):
         if result.operators is not None:
-            actions = tuple(team_task.task.action(operator) for operator in result.operators)
-            plan = joint_plan(team_task, actions, sum(map(team_task.task.cost, result.operators)))
-            labelled = labeller.label(features or team_task, actions) if labeller else None
+            plan = plan_of(team_task, result.operators)
+            labelled = labeller.label(features or team_task, plan.actions) if labeller else None
             value = objective(plan, labelled, alpha)
             predicted = None
             if charged is not None:
                 human_model, weight = charged
-                predicted = human_model.predict(team_task, actions)
+                predicted = human_model.predict(team_task, plan.actions)
                 value += weight * predicted.surprise if weight else 0.0
             if chosen is None or value < chosen[0]:
                 chosen = (value, plan, labelled, predicted)

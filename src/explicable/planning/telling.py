@@ -22,9 +22,9 @@ from explicable.model.team import TeamTask
 from explicable.planning.deadline import Deadline
 from explicable.planning.differences import Difference, find_differences
 from explicable.planning.explanation import explain
-from explicable.planning.listener import AS_GOOD, Listener, WeighedPlan, plan_of
+from explicable.planning.listener import AS_GOOD, Listener, WeighedPlan
 from explicable.planning.planner import plan_explicably
-from explicable.planning.team_plan import check_alpha
+from explicable.planning.team_plan import check_alpha, plan_of
 from explicable.planning.tellings import Telling
 from explicable.search import Outcome, search
 
