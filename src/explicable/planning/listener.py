@@ -61,9 +61,9 @@ class Listener:
 
     def plan(
         self,
-        alpha: float,
         telling_cost: float,
         *,
+        alpha: float,
         time_limit_s: float,
         human_model: "HumanModel | None",
         human_step_weight: float,

@@ -14,7 +14,7 @@ tell, and when.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 from explicable.errors import UsageError
 from explicable.model.plan import JointPlan, format_action
@@ -149,22 +149,11 @@ def conform_or_explain(
     (command person c-0-2); (tell r1 clear c-0-1 does not hold); (move r1 c-0-0 c-1-0)
     """
     check_alpha(alpha)
-    if not math.isfinite(telling_cost) or telling_cost < 0 or max_told < 0:
-        raise UsageError("the cost of telling must be finite, and neither it nor the size of a set negative")
-    if max_sets < 1:
-        raise UsageError("the person who is told nothing is one set: max_sets must be at least 1")
+    _check_telling(telling_cost, max_told, max_sets)
     deadline = Deadline.after(time_limit_s)
     features = labeller.features(team_task)
-    plain = plan_explicably(
-        features,
-        labeller,
-        alpha=alpha,
-        improve_s=improve_s,
-        time_limit_s=deadline.left_s,
-        human_model=human_model,
-        human_step_weight=human_step_weight,
-        seed=seed,
-    )
+    options = _Options(alpha=alpha, human_model=human_model, human_step_weight=human_step_weight, seed=seed)
+    plain = plan_explicably(features, labeller, improve_s=improve_s, time_limit_s=deadline.left_s, **options)
     if plain.plan is None or plain.labelled is None or plain.objective is None:
         return ToldPlan(plain.outcome, None, (), (), None, 0.0, None, is_complete=True)
     weighed = WeighedPlan(plain.plan, (), plain.labelled.probabilities, plain.objective)
@@ -172,20 +161,14 @@ def conform_or_explain(
     affordable = plain.objective - cheapest.lower_bound
     while max_told > 0 and telling_cost * max_told >= affordable:
         max_told -= 1
-    plans = [plain.plan, *([] if cheapest.operators is None else [plan_of(team_task, cheapest.operators)])]
     told, is_complete, lower_bound = None, max_told == 0, 0.0
-    if share_s := deadline.left_s / 2:
-        candidates = _candidates(features, labeller, plans, max_told, max_sets, share_s / 2)
-        listener = Listener(features, labeller, candidates)
-        is_complete = listener.learn(max_told, max_sets, Deadline(deadline.moment_s - share_s))
-        told = listener.plan(
-            alpha,
-            telling_cost,
-            time_limit_s=min(improve_s, deadline.left_s),
-            human_model=human_model,
-            human_step_weight=human_step_weight,
-            seed=seed,
-        )
+    if deadline.left_s > 0:
+        plans = [
+            plain.plan,
+            *([] if cheapest.operators is None else [plan_of(team_task, cheapest.operators)]),
+        ]
+        listener, is_complete = _prepare(features, labeller, plans, max_told, max_sets, deadline)
+        told = listener.plan(telling_cost, time_limit_s=min(improve_s, deadline.left_s), **options)
         lower_bound = listener.lower_bound
     best = told if told is not None and told.objective < weighed.objective - AS_GOOD else weighed
     return ToldPlan(
@@ -198,6 +181,37 @@ def conform_or_explain(
         objective_untold=weighed.objective,
         is_complete=is_complete,
     )
+
+
+class _Options(TypedDict):
+    """What both plannings, without telling and with it, go by."""
+
+    alpha: float
+    human_model: "HumanModel | None"
+    human_step_weight: float
+    seed: int
+
+
+def _check_telling(telling_cost: float, max_told: int, max_sets: int) -> None:
+    if not math.isfinite(telling_cost) or telling_cost < 0 or max_told < 0:
+        raise UsageError("the cost of telling must be finite, and neither it nor the size of a set negative")
+    if max_sets < 1:
+        raise UsageError("the person who is told nothing is one set: max_sets must be at least 1")
+
+
+def _prepare(
+    features: "TeamFeatures",
+    labeller: "Labeller",
+    plans: Sequence[JointPlan],
+    max_told: int,
+    max_sets: int,
+    deadline: Deadline,
+) -> tuple[Listener, bool]:
+    """Prepare what can be told, in half the time at most; return whether that is all of it, too."""
+    share_s = deadline.left_s / 2
+    candidates = _candidates(features, labeller, plans, max_told, max_sets, share_s / 2)
+    listener = Listener(features, labeller, candidates)
+    return listener, listener.learn(max_told, max_sets, Deadline(deadline.moment_s - share_s))
 
 
 def _candidates(
