@@ -62,9 +62,7 @@ def start(
     if not chosen:
         raise NoPlaceError("nobody else is needed")
     participant = f"{simulated}-{secrets.token_hex(4)}" if simulated else f"p-{secrets.token_hex(8)}"
-    tx.add(tables.PARTICIPANTS, id=participant, origin=origin, created=request.time)
-    for name, value in recruit.values.items():
-        tx.add(tables.RECRUITS, participant=participant, platform=recruit.platform, name=name, value=value)
+    _register(tx, request, recruit, participant, origin)
     session = secrets.token_urlsafe(32)
     tx.add(
         tables.SESSIONS,
@@ -90,6 +88,13 @@ def start(
         tx.add(tables.ASSIGNMENTS, **places, task=task, kind=kind, status="open")
     note(tx, session, origin, "consented", request, {"condition": condition})
     return session
+
+
+def _register(tx: Transaction, request: Request, recruit: Recruit, participant: str, origin: str) -> None:
+    """Write down a new participant, with what the recruitment platform told."""
+    tx.add(tables.PARTICIPANTS, id=participant, origin=origin, created=request.time)
+    for name, value in recruit.values.items():
+        tx.add(tables.RECRUITS, participant=participant, platform=recruit.platform, name=name, value=value)
 
 
 @cache
