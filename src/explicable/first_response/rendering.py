@@ -104,40 +104,16 @@ def render(
     parts += draw_room_signs(routes, names, doubted, canvas.emphasis, clock)
     parts += draw_robot_signs(world, routes, canvas.emphasis, clock)
     parts += draw_command_labels(routes.commands, names, canvas.emphasis, clock)
-    # From here on in pixels: title and key have the same size with every map.
-    width, height, top = canvas.width / canvas.zoom, canvas.height / canvas.zoom, 0.0
-    drawing = (
-        f'<svg width="{glyphs.number(width)}" height="{glyphs.number(height)}" '
-        f'viewBox="{_box(canvas.left, canvas.top, canvas.width, canvas.height)}">{"".join(parts)}</svg>'
-    )
-    if title or key:
-        width = max(width, NARROWEST_PX)
-    if title:
-        size = min(20, 1.5 * width / len(title))
-        drawing += glyphs.label(2, -12, title, size=size, fill=glyphs.INK, weight=600, anchor="start")
-        top -= 36
-        height += 36
+    explained = None
     if key:
-        signs, key_height = draw_key(round(width), view, with_plan=bool(actions))
-        drawing += glyphs.placed(signs, 0, top + height + 14)
-        height += key_height + 14
-    box = _box(0, top, width, height)
-    x, y, w, h = box.split()
-    return Drawing(
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="{w}" height="{h}" role="img">'
-        f"<title>{glyphs.clean(title or 'First-response map')}</title>"
-        f"<desc>{glyphs.clean(_describe(world, view, actions, routes, names, doubted))}</desc>"
-        f'<rect x="{x}" y="{y}" width="{w}" height="{h}" fill="{glyphs.PAPER}"/>{drawing}</svg>\n'
-    )
+        explained = draw_key(round(max(canvas.width_px, NARROWEST_PX)), view, with_plan=bool(actions))
+    description = _describe(world, view, actions, routes, names, doubted)
+    return Drawing(_mount("".join(parts), canvas, title, explained, description))
 
 
 @draw.register
 def _draw_for_notebook(world: World) -> str:
     return render(world, "robot")
-
-
-def _box(*numbers: float) -> str:
-    return " ".join(glyphs.number(value) for value in numbers)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,6 +131,16 @@ class Canvas:
     zoom: float
     emphasis: float
 
+    @property
+    def width_px(self) -> float:
+        """Width of the picture."""
+        return self.width / self.zoom
+
+    @property
+    def height_px(self) -> float:
+        """Height of the picture."""
+        return self.height / self.zoom
+
 
 @lru_cache(maxsize=256)
 def frame_map(world: World) -> Canvas:
@@ -171,6 +157,40 @@ def frame_map(world: World) -> Canvas:
     width, height = world.width * CELL - 2 * cropped, world.height * CELL - 2 * cropped
     zoom = max(1.0, max(width, height) / LARGEST_PX)
     return Canvas(cropped, cropped, width, height, zoom, emphasis=max(1.0, 0.75 * zoom))
+
+
+def _mount(
+    picture: str, canvas: Canvas, title: str | None, key: tuple[str, int] | None, description: str
+) -> str:
+    """Put a map's picture on paper, title above and key below, which have the same size with every map."""
+    width, height, top = canvas.width_px, canvas.height_px, 0.0
+    drawing = (
+        f'<svg width="{glyphs.number(width)}" height="{glyphs.number(height)}" '
+        f'viewBox="{_box(canvas.left, canvas.top, canvas.width, canvas.height)}">{picture}</svg>'
+    )
+    if title or key:
+        width = max(width, NARROWEST_PX)
+    if title:
+        size = min(20, 1.5 * width / len(title))
+        drawing += glyphs.label(2, -12, title, size=size, fill=glyphs.INK, weight=600, anchor="start")
+        top -= 36
+        height += 36
+    if key:
+        signs, key_height = key
+        drawing += glyphs.placed(signs, 0, top + height + 14)
+        height += key_height + 14
+    box = _box(0, top, width, height)
+    x, y, w, h = box.split()
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="{w}" height="{h}" role="img">'
+        f"<title>{glyphs.clean(title or 'First-response map')}</title>"
+        f"<desc>{glyphs.clean(description)}</desc>"
+        f'<rect x="{x}" y="{y}" width="{w}" height="{h}" fill="{glyphs.PAPER}"/>{drawing}</svg>\n'
+    )
+
+
+def _box(*numbers: float) -> str:
+    return " ".join(glyphs.number(value) for value in numbers)
 
 
 def _doubted_steps(
