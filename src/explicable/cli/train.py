@@ -13,8 +13,6 @@ from explicable.cli.progress import counting
 from explicable.cli.trace_files import naming_traces, read_labelled_traces
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from explicable.labelling import Trace
     from explicable.labelling.validation import Validation
 
@@ -85,10 +83,7 @@ def train(
     options: dict[str, Any] = {"c1": c1, "c2": c2, "num_bootstrap": bootstrap, "seed": seed}
     if augment is not None:
         options |= {"symbols": "ground", "num_copies": augment}
-    traces = read_labelled_traces(*files)
-    answers = _robots_labels(traces)
-    if len(answers) == 1:
-        warn(f"all labels say {'explicable' if True in answers else 'inexplicable'}: so will the labeller")
+    traces = _read(files)
     validation = None
     with naming_traces(*files), counting(1 + (num_folds or 0)) as tell:
         if num_folds is not None:
@@ -116,14 +111,18 @@ def train(
         _print(validation, by)
 
 
-def _robots_labels(traces: "Iterable[Trace]") -> set[bool]:
-    """Return whether robots' steps were called explicable: one of the two, both, or none."""
-    return {
+def _read(files: tuple[Path, ...]) -> "list[Trace]":
+    """Read what is to be learned from; warn if robots' steps were all called the same."""
+    traces = read_labelled_traces(*files)
+    answers = {
         step.label is not False
         for trace in traces
         for step in trace.steps
         if step.label is not None and trace.problem.agent_of(step.action).kind == "robot"
     }
+    if len(answers) == 1:
+        warn(f"all labels say {'explicable' if True in answers else 'inexplicable'}: so will the labeller")
+    return traces
 
 
 def _print(validation: "Validation", by: str) -> None:
