@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable
 from explicable.errors import UsageError
 from explicable.execution.course import Course
 from explicable.execution.dispatch_run import Dispatched, DispatchLimits, DispatchRun
-from explicable.execution.episodes import Ending, Episode
+from explicable.execution.episodes import Ending
 from explicable.execution.facts import most_specific
 from explicable.execution.monitor import FINAL, Event
 from explicable.execution.notices import Notice
@@ -36,7 +36,6 @@ from explicable.execution.robots.protocol import (
 )
 from explicable.execution.runs import Run
 from explicable.execution.setting import Setting
-from explicable.labelling.records import Trace
 from explicable.model.plan import Step
 from explicable.model.problem import GroundAtom
 from explicable.model.schedule import Schedule
@@ -130,20 +129,10 @@ class Dispatcher:
 
     def result(self) -> DispatchRun:
         """Return how it went, once it has ended."""
-        course = self.course
-        ending = course.ending()
-        trace = Trace(
-            self._setting.problem, tuple(course.steps), "nobody", "simulated", notes={"ending": ending.value}
+        played = Run.of(self.course, "nobody", "simulated", self._planning_s)
+        return DispatchRun(
+            played.episode.ending, tuple(self._history), self._num_plans, self.course.lost, played
         )
-        played = Run(
-            Episode(trace, ending),
-            tuple(course.occurrences),
-            course.num_deviations,
-            course.num_changes,
-            tuple(self._planning_s),
-            at_once=True,
-        )
-        return DispatchRun(ending, tuple(self._history), self._num_plans, course.lost, played)
 
     def _bring(self, notice: Notice) -> bool:
         """Bring an event to the course; whether it was taken."""

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from explicable.execution.course import Course
 from explicable.execution.crew import Crew
 from explicable.execution.desk import BackDesk, Desk, OpenDesk
-from explicable.execution.episodes import Ending, Episode
+from explicable.execution.episodes import Ending
 from explicable.execution.monitor import FINAL, Command, Event, State
 from explicable.execution.notices import Notice
 from explicable.execution.people import Person, steps_of_others
@@ -20,7 +20,6 @@ from explicable.execution.plans import Planner
 from explicable.execution.robots.protocol import Robot
 from explicable.execution.runs import USUAL_LIMITS, Limits, Run
 from explicable.execution.setting import Setting
-from explicable.labelling.records import Trace
 from explicable.model.problem import GroundAtom
 from explicable.model.task import State as GameState
 from explicable.search import Outcome
@@ -143,22 +142,8 @@ class ClosedLoop:
         UsageError
             If it has not.
         """
-        course = self.course
-        ending = course.ending()
-        trace = Trace(
-            course.setting.problem,
-            tuple(course.steps),
-            ", ".join(person.name for person in self._people),
-            self._people[0].origin,
-            notes={"ending": ending.value},
-        )
-        return Run(
-            Episode(trace, ending),
-            tuple(course.occurrences),
-            course.num_deviations,
-            course.num_changes,
-            tuple(self._desk.planning_s),
-        )
+        who = ", ".join(person.name for person in self._people)
+        return Run.of(self.course, who, self._people[0].origin, self._desk.planning_s)
 
     def _next(self) -> tuple[Notice | None, bool]:
         """Return the next notice, and whether it comes from outside."""

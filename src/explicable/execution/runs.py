@@ -1,10 +1,14 @@
 """What a game in closed loop may take, and what came of it."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Self
 
 from explicable.execution.episodes import Episode
 from explicable.execution.notices import Occurrence
+from explicable.execution.position import Position
+from explicable.labelling.records import Origin, Trace
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,3 +66,25 @@ class Run:
     num_changes: int
     planning_s: tuple[float, ...]
     at_once: bool = False
+
+    @classmethod
+    def of(cls, game: Position, annotator: str, origin: Origin, planning_s: Iterable[float]) -> Self:
+        """Return what came of a game that has ended.
+
+        Raises
+        ------
+        UsageError
+            If it has not.
+        """
+        ending = game.ending()
+        trace = Trace(
+            game.setting.problem, tuple(game.steps), annotator, origin, notes={"ending": ending.value}
+        )
+        return cls(
+            Episode(trace, ending),
+            tuple(game.occurrences),
+            game.num_deviations,
+            game.num_changes,
+            tuple(planning_s),
+            game.at_once,
+        )
