@@ -13,15 +13,15 @@ from explicable.execution.course import Course
 from explicable.execution.crew import Crew
 from explicable.execution.desk import BackDesk, Desk, OpenDesk
 from explicable.execution.episodes import Ending
+from explicable.execution.humans import Humans
 from explicable.execution.monitor import FINAL, Command, Event, State
 from explicable.execution.notices import Notice
-from explicable.execution.people import Person, steps_of_others
+from explicable.execution.people import Person
 from explicable.execution.plans import Planner
 from explicable.execution.robots.protocol import Robot
 from explicable.execution.runs import USUAL_LIMITS, Limits, Run
 from explicable.execution.setting import Setting
 from explicable.model.problem import GroundAtom
-from explicable.model.task import State as GameState
 from explicable.search import Outcome
 
 
@@ -97,8 +97,8 @@ class ClosedLoop:
         watch: Callable[[Course], None] = lambda _: None,
     ) -> None:
         self.course = Course(setting)
-        self._people = tuple(person) if isinstance(person, Sequence) else (person,)
-        self._others = steps_of_others(setting, self._people)
+        people = tuple(person) if isinstance(person, Sequence) else (person,)
+        self._humans = Humans(self.course, people)
         self._limits, self._clock, self._watch = limits, clock, watch
         self._crew = Crew(self.course, robots, limits.step_s, clock)
         self._desk: Desk = BackDesk(planner, clock) if background else OpenDesk(planner, clock)
@@ -106,8 +106,6 @@ class ClosedLoop:
         self._inbox: deque[Notice] = deque()
         self._outside: deque[Notice] = deque()
         self._kept: deque[Notice] = deque()
-        self._impossible: set[GroundAtom] = set()
-        self._moved: set[int] = set()  # people who have not thought about the robot's last step yet
         self._has_planned = False  # since the last step
         self._idle_events = 0
 
@@ -142,8 +140,7 @@ class ClosedLoop:
         UsageError
             If it has not.
         """
-        who = ", ".join(person.name for person in self._people)
-        return Run.of(self.course, who, self._people[0].origin, self._desk.planning_s)
+        return Run.of(self.course, self._humans.names, self._humans.origin, self._desk.planning_s)
 
     def _next(self) -> tuple[Notice | None, bool]:
         """Return the next notice, and whether it comes from outside."""
@@ -178,7 +175,8 @@ class ClosedLoop:
             if not from_outside:
                 self._make_good(notice)
         elif len(course.steps) > num_steps:
-            self._show(notice.action, before, ask=Command.ASK_PERSON in commands)
+            self._inbox.extend(self._humans.see(notice.action, before, ask=Command.ASK_PERSON in commands))
+            self._has_planned, self._idle_events = False, 0
         elif notice.event is Event.FACT_OBSERVED:
             self._has_planned = False
         for command in commands:
@@ -186,8 +184,7 @@ class ClosedLoop:
             if effect is not None:
                 effect(self, notice)
         if request is not None and Command.ADOPT_SAFE_PLAN in commands and request.action in course.refused:
-            for person in self._people:
-                person.give_up(request)
+            self._humans.give_up(request)
         self._watch(course)
 
     def _make_good(self, notice: Notice) -> None:
@@ -197,17 +194,9 @@ class ClosedLoop:
             reason = self.course.occurrences[-1].refusal
             self._inbox.append(Notice(instead[notice.event], notice.action, reason=reason))
 
-    def _show(self, action: GroundAtom, before: GameState, *, ask: bool) -> None:
-        """Let the person see a step that was taken, and answer if asked."""
-        for number, person in enumerate(self._people):
-            answer = person.judge(action, before) if ask else None
-            if answer is not None:
-                who = person.name if len(self._people) > 1 else ""
-                self._inbox.append(Notice(Event.ANSWER_GIVEN, action, answer=answer, agent=who))
-            person.watch(action, before, self.course.state)
-            (self._moved.add if ask else self._moved.discard)(number)
-        self._impossible.clear()
-        self._has_planned, self._idle_events = False, 0
+    def _refuse(self, asked: GroundAtom) -> None:
+        """Note that a person has asked for what is not possible."""
+        self._handle(Notice(Event.PERSON_COMMANDED, asked), from_outside=False)
 
     def _decide(self) -> Notice:
         course = self.course
@@ -215,12 +204,8 @@ class ClosedLoop:
             return Notice(Event.GOAL_HOLDS)
         if not course.plan and not self._has_planned:  # predict before the person acts
             return Notice(Event.PLAN_OUTDATED)
-        for number, person in enumerate(self._people):
-            if person.request is None or (number in self._moved and person.thinks_over()):
-                self._moved.discard(number)
-                asked = self._chooses(number)
-                if asked:
-                    return Notice(Event.PERSON_COMMANDED, asked)
+        if asked := self._humans.act(self._refuse):
+            return Notice(Event.PERSON_COMMANDED, asked)
         if not course.plan or (course.is_outdated and not self._has_planned):
             return Notice(Event.PLAN_OUTDATED)
         action = course.plan[0]
@@ -229,24 +214,8 @@ class ClosedLoop:
         return Notice(Event.ROBOT_NEXT if course.allows(action) else Event.PLAN_OUTDATED, action)
 
     def _listen(self) -> Notice:
-        asked = self._anybody_chooses()
+        asked = self._humans.choose(self._refuse)
         return Notice(Event.PERSON_COMMANDED, asked) if asked else Notice(Event.PERSON_IDLE)
-
-    def _anybody_chooses(self) -> GroundAtom:
-        """Ask the people, one after the other, for a step that is possible."""
-        return next(filter(None, map(self._chooses, range(len(self._people)))), ())
-
-    def _chooses(self, number: int) -> GroundAtom:
-        """Ask a person for a step until they name one that is possible, or none."""
-        person, others = self._people[number], self._others[number]
-        while asked := person.choose(self.course.refused | self._impossible | others):
-            if asked in self._impossible or asked in others:
-                return ()  # the person does not listen
-            if self.course.is_step_of_person(asked) and self.course.allows(asked):
-                return asked
-            self._handle(Notice(Event.PERSON_COMMANDED, asked), from_outside=False)
-            self._impossible.add(asked)
-        return ()
 
     def _keep(self, notice: Notice) -> None:
         self._kept.append(notice)
@@ -282,8 +251,7 @@ class ClosedLoop:
         step = self._bridge()
         if step:
             return Notice(Event.ROBOT_NEXT, step)
-        waits = all(person.request is None for person in self._people)
-        asked = self._anybody_chooses() if waits else ()
+        asked = self._humans.choose(self._refuse) if self._humans.want_nothing else ()
         return Notice(Event.PERSON_COMMANDED, asked) if asked else Notice(Event.TIME_PASSED)
 
     def _propose(self, timeout_s: float) -> Notice | None:

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
-from explicable.errors import UsageError
 from explicable.execution import mind as minds
 from explicable.execution.mind import Mind
 from explicable.execution.participants import Participant
@@ -151,22 +150,3 @@ class ScriptedPerson(Watcher):
     def judge(self, action: GroundAtom, state: State) -> bool | None:  # noqa: ARG002 (a script heeds nothing)
         """Give the answer that was written."""
         return self._answer(action)
-
-
-def steps_of_others(setting: Setting, people: Sequence[Person]) -> list[frozenset[GroundAtom]]:
-    """Return for each of several people the human steps that are not theirs; none if there is one alone.
-
-    Raises
-    ------
-    UsageError
-        If there are several people, but not one for each human of the team.
-    """
-    humans = [agent.name for agent in setting.problem.agents if agent.kind == "human"]
-    if len(people) == 1:
-        return [frozenset()]
-    if len(people) != len(humans):
-        raise UsageError(f"people are needed for {', '.join(humans) or 'nobody'}, not {len(people)} of them")
-    task, agent_of = setting.truth.task, setting.problem.agent_of
-    actions = {task.action(operator) for operator in range(task.num_operators)} - {()}
-    owners = {action: agent_of(action).name for action in actions}
-    return [frozenset(step for step in actions if owners[step] in set(humans) - {name}) for name in humans]
