@@ -7,6 +7,7 @@ from explicable.model.durations import Durations
 from explicable.model.plan import Actions
 from explicable.model.schedule import Schedule, make_schedule
 from explicable.model.team import TeamTask
+from explicable.planning.beliefs import applicable_operator
 
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan, Labeller
@@ -57,7 +58,7 @@ class BestSchedule:
         task = self.team_task.task
         state, kept = task.execute(actions[:number]).states[-1], list(actions[:number])
         for action in actions[number + 1 :]:
-            operator = next((o for o in task.operators_of(action) if task.is_applicable(state, o)), None)
+            operator = applicable_operator(task, state, action)
             if operator is not None:
                 state = task.successor(state, operator)
                 kept.append(action)

@@ -84,11 +84,10 @@ class Timetable:
 
     def __init__(self, team_task: TeamTask, durations: Durations) -> None:
         self.task = task = team_task.task
-        actions = [task.action(operator) for operator in range(task.num_operators)]
+        self.actions = actions = task.actions
         names = [agent.name for agent in team_task.problem.agents]
         # Auxiliary operators are nobody's steps: they get an agent of their own, who is always free.
         agents = [names.index(team_task.problem.agent_of(a).name) if a else len(names) for a in actions]
-        self.actions = actions
         self.num_agents = len(names) + 1
         self.agents = np.array(agents, dtype=np.intp)
         self.durations = np.array([durations.of(a) if a else 0.0 for a in actions])
