@@ -64,7 +64,6 @@ class Conduct:
             return standing
         material, moment = _task(standing, number)
         after = material.game.step(moment)
-        self._record(tx, standing, after, request)
         operator = format_action(after.announced or after.steps[-1].action)
         kind = "announced" if after.announced else "stepped"
         return self._went_on(tx, standing, after, request, kind, {"number": number, "operator": operator})
@@ -85,7 +84,6 @@ class Conduct:
             return standing
         material, moment = _task(standing, number, shown)
         after = material.game.answer(moment, explicable=explicable)
-        self._record(tx, standing, after, request)
         data = {"number": number, "explicable": explicable, **({"shown": shown} if shown else {})}
         return self._went_on(tx, standing, after, request, "labelled", data)
 
@@ -98,7 +96,6 @@ class Conduct:
             return standing
         material, moment = _task(standing, None, shown)
         after = material.game.command(moment, parse_action(operator))
-        self._record(tx, standing, after, request)
         expected = material.game.expected(moment.actions)
         data = {"operator": operator, "expected": expected and format_action(expected)}
         return self._went_on(
@@ -181,14 +178,14 @@ class Conduct:
         material = self.materials.material(assignment.task, session.condition)
         return Standing(session, assignments, material, material.game.moment(steps, announced))
 
-    def _record(self, tx: Transaction, standing: Standing, after: Moment, request: Request) -> None:
+    def _record(
+        self, tx: Transaction, standing: Standing, before: Moment, after: Moment, request: Request
+    ) -> None:
         """Write down the steps and labels that have come.
 
         A step that is labelled as it comes was seen before the answer, by the time that the answer took.
         """
-        row, before = standing.session, standing.moment
-        if before is None:
-            raise ConflictError("no task is under way")
+        row = standing.session
         assignment = standing.assignments[row.position]
         for number, step in enumerate(after.steps):
             old = before.steps[number] if number < len(before.steps) else None
@@ -226,10 +223,11 @@ class Conduct:
         kind: str,
         data: Mapping[str, object],
     ) -> Standing:
-        """Close a task that is over, and write down what happened."""
+        """Write down what happened and what came of it, and close a task that is over."""
         row, material = standing.session, standing.material
-        if material is None:
+        if material is None or standing.moment is None:
             raise ConflictError("no task is under way")
+        self._record(tx, standing, standing.moment, after, request)
         is_over = material.game.is_over(after)
         before = standing.assignments[row.position]
         assignment = replace(
