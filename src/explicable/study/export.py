@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from datetime import UTC, datetime
 from importlib import metadata
-from itertools import groupby, islice
+from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import IO, Any
 
@@ -105,7 +105,7 @@ def _write_table(tx: Transaction, materials: Materials, table: str, folder: Path
         parquet = stack.enter_context(pq.ParquetWriter(folder / "parquet" / f"{table}.parquet", schema))
         writer = csv.DictWriter(csv_file, columns)
         writer.writeheader()
-        everything = _with_first(first, rows)
+        everything = chain([] if first is None else [first], rows)
         while batch := list(islice(everything, _BATCH)):
             shaped = [_shaped(table, row) for row in batch]
             writer.writerows({name: _cell(value) for name, value in row.items()} for row in shaped)
@@ -113,14 +113,6 @@ def _write_table(tx: Transaction, materials: Materials, table: str, folder: Path
             parquet.write_table(pa.Table.from_pylist(shaped, schema))
             count += len(shaped)
     return count, columns
-
-
-def _with_first(
-    first: Mapping[str, Any] | None, rest: Iterator[Mapping[str, Any]]
-) -> Iterator[Mapping[str, Any]]:
-    if first is not None:
-        yield first
-        yield from rest
 
 
 def _columns_of(table: str) -> list[str]:

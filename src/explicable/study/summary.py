@@ -140,13 +140,11 @@ class Summary:
 def summarise(tx: Transaction, materials: Materials, origin: str) -> Summary:
     """Work out what the participants of one origin (``person`` or ``simulated``) have done."""
     labels = read_labels(tx, origin)
-    scored = [
-        (materials.tasks[label.task].source, label) for label in labels if label.task in materials.tasks
-    ]
     by_source: dict[str, list[LabelRow]] = defaultdict(list)
-    for source, label in scored:
-        by_source["play" if label.kind == "play" else source].append(label)
-    latencies = [label.latency_s for label in labels if label.latency_s is not None]
+    for label in labels:
+        if label.task in materials.tasks:
+            source = "play" if label.kind == "play" else materials.tasks[label.task].source
+            by_source[source].append(label)
     rng, stages = np.random.default_rng(materials.study.seed), count_stages(tx, origin)
     return Summary(
         origin=origin,
@@ -157,7 +155,7 @@ def summarise(tx: Transaction, materials: Materials, origin: str) -> Summary:
         scores=tuple(_score(source, rows, rng) for source, rows in sorted(by_source.items())),
         plans=tuple(_plan_scores(tx, materials, origin, labels)),
         agreement=_agreement(labels),
-        median_latency_s=float(np.median(latencies)) if latencies else None,
+        median_latency_s=_median([label.latency_s for label in labels]),
         quality=tuple(_quality(tx, materials, origin, labels)),
     )
 
