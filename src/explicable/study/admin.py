@@ -135,8 +135,7 @@ class Researchers:
 
     async def _require_own_page(self, request: Request) -> None:
         owner, form = await self.require(request), await read_form(request)
-        if not self.server.keys.is_token(owner, form.get("token")):
-            raise HTTPException(403, "this request does not come from a page of the study")
+        self.server.require_token(owner, form.get("token"))
 
 
 def _zip_export(tx: Transaction, server: Server, folder: Path) -> Path:

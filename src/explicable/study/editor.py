@@ -58,8 +58,7 @@ def routes(server: Server, require: "Callable[[Request], Awaitable[str]]") -> AP
     folder = server.materials.folder / "maps"
 
     async def require_own_page(request: Request, token: str) -> None:
-        if not server.keys.is_token(await require(request), token):
-            raise HTTPException(403, "this request does not come from a page of the study")
+        server.require_token(await require(request), token)
 
     @router.api_route("", methods=READING)
     async def editor(request: Request) -> Response:

@@ -56,7 +56,7 @@ class Server:
 
     @cached_property
     def is_token(self) -> Callable[[str, str | None], bool]:
-        """Tells whether a token is a session's; remembers the latest answers."""
+        """Tells whether a token is its owner's; remembers the latest answers."""
         return lru_cache(maxsize=_MOST_COOKIES)(self.keys.is_token)
 
     async def write(self, job: Callable[[Transaction], T]) -> T:
@@ -97,9 +97,19 @@ class Server:
             403 if the token does not belong to the session.
         """
         session = self.session(request)
-        if not self.is_token(session, token):
-            raise HTTPException(403, "this request does not come from a page of the study")
+        self.require_token(session, token)
         return session
+
+    def require_token(self, owner: str, token: str | None) -> None:
+        """Refuse a request that does not come from one of the owner's pages.
+
+        Raises
+        ------
+        HTTPException
+            403 if the token is not the owner's.
+        """
+        if not self.is_token(owner, token):
+            raise HTTPException(403, "this request does not come from a page of the study")
 
 
 def _settle(answer: "asyncio.Future[T]", result: T, error: BaseException | None) -> None:
