@@ -143,7 +143,7 @@ class Conduct:
             free_tasks(tx, session)
         note(tx, session, row.origin, event.value, request, {"stage": stage.value})
         session_now = self._change(tx, row, request, **changes)
-        return self._now(tx, self._standing(tx, session_now, standing.assignments))
+        return self._remember(tx, self._standing(tx, session_now, standing.assignments))
 
     def _found(self, tx: Transaction, session: str, request: Request) -> tuple[Standing, bool]:
         """Return where a session stands, and whether the request is a known one: from memory if possible."""
@@ -155,8 +155,8 @@ class Conduct:
             raise UnknownSessionError("there is no such session")
         return self._read(tx, _session_of(row)), bool(row.is_repeated)
 
-    def _now(self, tx: Transaction, standing: Standing) -> Standing:
-        """Remember where a session stands now."""
+    def _remember(self, tx: Transaction, standing: Standing) -> Standing:
+        """Remember where a session stands now, and return it."""
         tx.remember(standing.session.id, standing)
         return standing
 
@@ -253,7 +253,9 @@ class Conduct:
         note(tx, row.id, row.origin, kind, request, {"position": row.position, **data})
         if not is_over:
             session = self._change(tx, row, request)
-            return self._now(tx, replace(standing, session=session, assignments=assignments, moment=after))
+            return self._remember(
+                tx, replace(standing, session=session, assignments=assignments, moment=after)
+            )
         if standing.stage is Stage.PRACTICE:
             session = self._change(tx, row, request, stage=advance(Stage.PRACTICE, Event.PRACTISED).value)
         else:
@@ -261,7 +263,7 @@ class Conduct:
             stage = advance(Stage.TASKS, Event.FINISHED_TASKS if is_last else Event.FINISHED_TASK)
             position = row.position + (not is_last)
             session = self._change(tx, row, request, stage=stage.value, position=position)
-        return self._now(tx, self._standing(tx, session, assignments))
+        return self._remember(tx, self._standing(tx, session, assignments))
 
     def _change(self, tx: Transaction, session: Session, request: Request, **values: Any) -> Session:  # noqa: ANN401 (columns)
         """Change a session, if nothing has changed it meanwhile; its revision tells, also other tabs."""

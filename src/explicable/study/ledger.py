@@ -1,4 +1,4 @@
-"""What the database keeps of requests: who asked for what, when, and whether it was done before."""
+"""What requests leave in the database besides their effect: a note of each, and places given back."""
 
 import json
 from collections.abc import Mapping
