@@ -100,6 +100,9 @@ def measure(
     ------
     PlanError
         If a plan can't be executed: the given one in the composite task, an expected one in the mental task.
+    UsageError
+        If the temperature is not finite and above 0, or an alternative goal is no conjunction of atoms of the
+        human model.
     LabellerError
         If the labeller was trained on another domain.
 

@@ -120,8 +120,7 @@ def step_probabilities(
     >>> round(p, 3)  # away instead of towards: 2 steps more
     0.119
     """
-    if not 0 < temperature < math.inf:
-        raise UsageError(f"the temperature must be finite and above 0, not {temperature}")
+    _check_temperature(temperature)
     mental, agent_of = team_task.mental, team_task.problem.agent_of
     value = cost_to_go or CostToGo(mental)
     watched = watch(team_task, actions)
@@ -202,8 +201,10 @@ def recognise(
 
     Raises
     ------
-    PlanError, UsageError, ResourceError
+    PlanError, ResourceError
         As `step_probabilities`.
+    UsageError
+        As there, or if a goal names an atom that the human model does not know.
 
     Examples
     --------
@@ -216,8 +217,7 @@ def recognise(
     >>> [round(p, 2) for p, _ in seen.goal_probabilities], seen.predictability
     ([0.5, 0.88], (1.0, 1.0))
     """
-    if not 0 < temperature < math.inf:
-        raise UsageError(f"the temperature must be finite and above 0, not {temperature}")
+    _check_temperature(temperature)
     mental = team_task.mental
     alternative_goals = [tuple(goal) for goal in alternative_goals]
     for goal in alternative_goals:
@@ -241,6 +241,11 @@ def recognise(
         legibility=told / sum(weights) if weights else posteriors[0][0],
         predictability=tuple(math.exp(min(0.0, -row[0] / temperature)) for row in detours),
     )
+
+
+def _check_temperature(temperature: float) -> None:
+    if not 0 < temperature < math.inf:
+        raise UsageError(f"the temperature must be finite and above 0, not {temperature}")
 
 
 def _check_sayable(problem: Problem, goal: Iterable[GroundAtom]) -> None:
