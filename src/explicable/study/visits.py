@@ -51,8 +51,8 @@ class Visits:
         if platform == "mturk" and is_framed:
             return server.pages.doorway(str(request.url.query), parameters)
         recruit = read_parameters(platform, parameters)
-        session = server.keys.read("session", request.cookies.get(SESSION_COOKIE))
-        if isinstance(session, str) and "simulated" not in parameters:
+        session = server.named_session(request.cookies.get(SESSION_COOKIE))
+        if session is not None and "simulated" not in parameters:
             told = await server.read(lambda tx: server.conduct.recruit(tx, session))
             if not recruit.values or recruit.values == told:  # the same visit, from the same browser
                 return RedirectResponse("/session", 303)
