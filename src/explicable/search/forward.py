@@ -68,7 +68,8 @@ def search(
             (Eq. 3), by A* with lower bounds of what lies ahead, made by sweeps over all contexts where these
             are few enough (some 100 000).
     initial_state, goal
-        Where to start and what to reach, if not what the task says; the goal as facts or atoms.
+        Where to start and what to reach, if not what the task says; the goal as facts or atoms. With an atom
+        that is never true it is *unsolvable*.
     heuristic
         For ``"astar"`` (``"lmcut"``, ``"hmax"``, ``"blind"``, ``"tour"``) and ``"wastar"`` (``"ff"`` as
         well). The tour goes through all places where one variable, such as a robot's position, has to be for
@@ -116,9 +117,8 @@ def search(
     Raises
     ------
     UsageError
-        If an option has no meaning, or the scorer or state belongs to another task.
-    InputError
-        If a goal atom is no fact of the task.
+        If an option has no meaning, there is no fact of a number in the goal, or the scorer or state belongs
+        to another task.
 
     References
     ----------
