@@ -179,9 +179,18 @@ def search(
         return SearchResult(Outcome.LIMIT, None, None, None, 0.0, False, 0, 0, 0, 0.0, "memory")
     except (ValueError, IndexError) as error:
         raise UsageError(str(error)) from error
+    return _result(task, answer, was_interrupted=interrupt.is_pending())
+
+
+_LIMITS = ("time", "memory", "evaluations")
+_LABELLED = ("default", "ff", "lazy", "eager", "anytime")
+_UNREACHABLE = SearchResult(Outcome.UNSOLVABLE, None, None, None, math.inf, False, 0, 0, 0, 0.0, None)
+
+
+def _result(task: Task, answer: _core.SearchAnswer, *, was_interrupted: bool) -> SearchResult:
     plan = answer.plan
     return SearchResult(
-        outcome=Outcome.INTERRUPTED if interrupt.is_pending() else Outcome(answer.outcome),
+        outcome=Outcome.INTERRUPTED if was_interrupted else Outcome(answer.outcome),
         # What stands for a disjunctive goal is no step of the plan.
         operators=None if plan is None else tuple(filter(task.action, plan)),
         cost=None if plan is None else answer.cost,
@@ -194,11 +203,6 @@ def search(
         search_s=answer.search_s,
         limit=answer.stop if answer.stop in _LIMITS else None,
     )
-
-
-_LIMITS = ("time", "memory", "evaluations")
-_LABELLED = ("default", "ff", "lazy", "eager", "anytime")
-_UNREACHABLE = SearchResult(Outcome.UNSOLVABLE, None, None, None, math.inf, False, 0, 0, 0, 0.0, None)
 
 
 def _goal_facts(task: Task, goal: Iterable[int | GroundAtom] | None) -> tuple[list[int], bool]:
