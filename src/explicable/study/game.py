@@ -180,12 +180,12 @@ class Game:
 
     def _after(self, situation: "Situation", action: "GroundAtom") -> "Situation":
         truth, (state, asked) = self.setting.truth, situation
-        operator = truth.operator(state, action)
-        if operator is None:
+        after = truth.after(state, action)
+        if after is None:
             raise ConflictError("that step is not possible now")
         request = truth.requests.get(action)
         left = tuple(r for r in asked if action not in r.fulfilled_by and r is not request)
-        return truth.task.successor(state, operator), (*left, request) if request else left
+        return after, (*left, request) if request else left
 
     def _begin(self, moment: Moment, action: "GroundAtom") -> Moment:
         if self.ask == "before" and self._is_robots(action):

@@ -170,11 +170,11 @@ class Materials:
         if not plan:
             raise PlanError("a plan without steps can't be shown", path=path)
         for number, action in enumerate(plan, start=1):
-            operator = setting.truth.operator(state, action)
-            if operator is None:
+            after = setting.truth.after(state, action)
+            if after is None:
                 message = f"step {number}, {format_action(action)}, can't be executed there"
                 raise PlanError(f"{message} (task {task.name!r})", path=path)
-            state = setting.truth.task.successor(state, operator)
+            state = after
         return plan
 
 

@@ -116,12 +116,8 @@ class Teaming:
 
     def _reaches_goal(self, state: "State", plan: Sequence[GroundAtom]) -> bool:
         truth = self.setting.truth
-        for action in plan:
-            operator = truth.operator(state, action)
-            if operator is None:
-                return False
-            state = truth.task.successor(state, operator)
-        return truth.task.is_goal(state)
+        end = truth.follow(state, plan)
+        return end is not None and truth.is_goal(end)
 
     def _is_humans(self, action: GroundAtom) -> bool:
         return self.setting.problem.agent_of(action).kind == "human"
