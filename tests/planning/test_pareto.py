@@ -23,6 +23,8 @@ from explicable.planning import (
     plan_most_explicably,
     plan_within_budget,
 )
+from explicable.planning.pareto import Pool
+from explicable.planning.team_plan import TeamPlan
 from explicable.search import Outcome, search
 from oracles.plans import all_plans
 from planning.floors import PATIENCE_S, SCHEMAS, floor, judge_of_progress
@@ -154,6 +156,23 @@ def test_the_front_is_that_of_all_plans(text, strength, max_steps, num_corners):
         min(points, key=lambda p, a=a: p[0] + a * p[1]) for a in (10 ** (k / 50) for k in range(-150, 60))
     }
     assert {corner.plan.cost for corner in found} == {cost for cost, _ in best}
+
+
+def test_a_corner_that_its_own_limit_of_cost_found_ends_what_is_to_be_looked_for(plans):
+    left, middle, right = (
+        TeamPlan(Outcome.SOLVED, found.plan, found.labelled, None, 0.0, 0, 0.0)
+        for found in (plans[0], plans[1], plans[-1])
+    )
+    pool = Pool()
+    pool.add(left)
+    pool.add(right)
+    pool.add_within(middle.plan.cost, middle)
+    limits = []
+    while (limit := pool.next_limit()) is not None:
+        limits.append(limit)
+        pool.add_within(limit, middle if limit > middle.plan.cost else left)
+    assert limits == sorted(set(limits), key=limits.index)
+    assert all(left.plan.cost < limit < right.plan.cost for limit in limits)
 
 
 def test_costs_rise_and_inexplicable_steps_fall_along_the_front(plans):

@@ -120,7 +120,7 @@ class Pool:
         """Give the greatest cost within which the most explicable plan is still to be looked for."""
         for left, right in pairwise(self._corners()):
             limit = right.plan.cost - 1
-            while limit in self._most_explicable:
+            while limit > left.plan.cost and limit in self._most_explicable:
                 found = self._most_explicable[limit]
                 limit = left.plan.cost
                 if found is not None and _is_between(left, found, right):
