@@ -94,9 +94,9 @@ const std::byte* check_context(const BoundScorer& scorer, const nb::bytes& conte
 std::unique_ptr<BoundScorer> make_scorer(const CoreTask& task, std::shared_ptr<const TeamTables> tables,
                                          const std::vector<std::tuple<int, Values, double>>& weights,
                                          const Scorer::Transitions& transitions, bool expected,
-                                         std::vector<double> own) {
+                                         std::vector<double> own, double unfamiliar) {
     if (tables->num_operators() != task.num_operators()) throw std::invalid_argument("tables of another task");
-    FeatureWeights table(tables->num_schemas, tables->max_arity);
+    FeatureWeights table(tables->num_schemas, tables->max_arity, unfamiliar);
     for (const auto& [feature_template, values, weight] : weights) table.set(feature_template, values, weight);
     return std::make_unique<BoundScorer>(task, std::move(tables), table, std::move(own), transitions, expected);
 }
@@ -175,7 +175,7 @@ void bind_scorer(nb::module_& module) {
     // The base PathScorer is bound with the search.
     nb::class_<BoundScorer, PathScorer>(module, "Scorer", "A labeller compiled for one team task.")
         .def(nb::new_(&make_scorer), "task"_a, "tables"_a, "weights"_a, "transitions"_a, "expected"_a,
-             "own"_a = std::vector<double>{}, nb::keep_alive<0, 1>())
+             "own"_a = std::vector<double>{}, "unfamiliar"_a = 0.0, nb::keep_alive<0, 1>())
         .def("starting_at",
              [](const BoundScorer& scorer, const nb::bytes& context) {
                  const auto* const bytes = check_context(scorer, context);

@@ -6,7 +6,25 @@
 
 namespace explicable {
 
-FeatureWeights::FeatureWeights(int num_schemas, std::size_t max_arity) {
+namespace {
+
+// As Template.is_optional in templates.py.
+bool is_optional(Template feature_template) {
+    switch (feature_template) {
+        case Template::kSameAfter:
+        case Template::kSameBefore:
+        case Template::kSameHuman:
+        case Template::kUndoes:
+        case Template::kReturns:
+        case Template::kUnbelieved: return true;
+        default: return false;
+    }
+}
+
+}  // namespace
+
+FeatureWeights::FeatureWeights(int num_schemas, std::size_t max_arity, double unfamiliar) {
+    if (!std::isfinite(unfamiliar)) throw std::invalid_argument("a weight is not finite");
     const auto schemas = static_cast<std::size_t>(num_schemas), neighbours = schemas + 1;  // or nothing
     const std::size_t arguments = std::min(max_arity, kMaxArguments);
     const std::size_t progress = kNumProgress, beside = kNumNeighbours;
@@ -34,7 +52,7 @@ FeatureWeights::FeatureWeights(int num_schemas, std::size_t max_arity) {
     for (const auto& sizes : dimensions_) {
         std::size_t size = 1;
         for (const auto dimension : sizes) size *= dimension;
-        tables_.emplace_back(size);
+        tables_.emplace_back(size, is_optional(static_cast<Template>(tables_.size())) ? 0.0 : unfamiliar);
     }
 }
 

@@ -41,7 +41,8 @@ inline constexpr int kNumNeighbours = kNumProgress + 2;
 // How much more each feature speaks for "inexplicable" than for "explicable": a dense table for each template.
 class FeatureWeights {
 public:
-    FeatureWeights(int num_schemas, std::size_t max_arity);
+    // `unfamiliar`: of each feature that is not set, if its template says something of every step.
+    FeatureWeights(int num_schemas, std::size_t max_arity, double unfamiliar);
     // Throws std::invalid_argument if a value does not fit its template.
     void set(int feature_template, std::span<const std::int32_t> values, double weight);
     const std::vector<double>& of(Template feature_template) const {

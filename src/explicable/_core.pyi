@@ -274,6 +274,7 @@ class Scorer(PathScorer):
         transitions: list[list[float]],
         expected: bool,
         own: list[float] = ...,
+        unfamiliar: float = ...,
     ) -> None: ...
     def starting_at(self, context: bytes) -> Scorer: ...
     def charging(self, choices: HumanChoices, weights: list[float], price: float) -> Scorer:

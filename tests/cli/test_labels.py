@@ -6,6 +6,8 @@ from xml.etree import ElementTree as ET
 import pytest
 from typed_commands import BAD_INPUT, HUMAN, SOLVED, TASK, USAGE, explicable
 
+from explicable.labelling.doubt import DEFAULT_DOUBT
+
 
 def test_the_papers_option_from_training_to_the_plan(place, tmp_path):
     labeller = tmp_path / "ground.json"
@@ -34,6 +36,35 @@ def test_the_papers_option_from_training_to_the_plan(place, tmp_path):
         refused = explicable(*arguments, cwd=place)
         assert refused.code == BAD_INPUT
         assert "ground.json: this labeller was trained on names" in refused.err
+
+
+def test_what_no_trace_showed_is_doubted_as_told(place, tmp_path):
+    said = {}
+    lines = (place / "traces.jsonl").read_text().splitlines(keepends=True)
+    (tmp_path / "two.jsonl").write_text("".join(lines[:2]))
+    assert explicable("plan", *TASK, "-o", tmp_path / "plan", cwd=place).code == SOLVED
+    for doubt in ([], ["--doubt", "0"], ["--doubt", "2"]):
+        options = ["--bootstrap", "0", *doubt, "-o", tmp_path / "l.json", "--json"]
+        done = explicable("train", tmp_path / "two.jsonl", *options, cwd=place)
+        assert done.code == SOLVED, done.err
+        price = json.loads(done.out)["doubt"]
+        done = explicable(
+            "label", tmp_path / "l.json", *TASK, tmp_path / "plan", "--json", "--explain", cwd=place
+        )
+        answer = json.loads(done.out)
+        said[price] = answer["scores"]["f_expected"]
+        shown = [step for step in answer["steps"] if step["unfamiliar"]]
+        assert shown
+        if price > 1:
+            assert any("no trace showed the like" in str(step["reasons"]) for step in shown)
+    assert set(said) == {DEFAULT_DOUBT, 0.0, 2.0}
+    assert said[0.0] > said[DEFAULT_DOUBT] > said[2.0]
+    refused = explicable(
+        "train", "traces.jsonl", "--augment", "3", "--doubt", "1", "-o", tmp_path / "no", cwd=place
+    )
+    assert (refused.code, (tmp_path / "no").exists()) == (USAGE, False)
+    help_text = " ".join(explicable("train", "--help").out.split())
+    assert f"not with --augment. Default: {DEFAULT_DOUBT}." in help_text
 
 
 def test_held_out_figures_and_their_picture(place, tmp_path):

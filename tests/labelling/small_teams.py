@@ -1,8 +1,11 @@
 """Small team tasks for the tests of this folder, and random walks through them."""
 
+import numpy as np
+
 from explicable.first_response.encoding import encode
 from explicable.first_response.map_file import parse_map
 from explicable.labelling.crf import ConditionalRandomField
+from explicable.labelling.doubt import with_doubt
 from explicable.labelling.labeller import CLASSES, Labeller
 from explicable.labelling.traces import LabelledStep, Trace
 from explicable.model.grounding import ground_team
@@ -84,7 +87,10 @@ def random_trace(problem, rng, num_steps, annotator="anna", team=None):
 
 
 def random_labeller(team, rng, rounds=20):
-    """A labeller with a random weight for every feature that random walks with random tails meet."""
+    """A labeller with a random weight for most features that random walks with random tails meet.
+
+    Of the others each has the same weight.
+    """
     names = set()
     for _ in range(rounds):
         operators, states = walk(team.task, rng, 12)
@@ -92,5 +98,10 @@ def random_labeller(team, rng, rounds=20):
         names.update(*team.extract(operators + tail, states))
     features = sorted(names)
     weights = rng.normal(size=(len(features), 2))
-    model = ConditionalRandomField.from_weights(CLASSES, features, weights, rng.normal(size=(2, 2)))
+    transitions = rng.normal(size=(2, 2))
+    known = np.flatnonzero(rng.random(len(features)) < 0.8)
+    model = ConditionalRandomField.from_weights(
+        CLASSES, [features[number] for number in known], weights[known], transitions
+    )
+    (model,) = with_doubt([model], 2.0 * rng.random())
     return Labeller(model, schemas=team.schemas)

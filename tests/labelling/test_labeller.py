@@ -1,6 +1,7 @@
 """The labeller learns, says how sure it is, survives its file, and refuses what is damaged or foreign."""
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -239,3 +240,29 @@ def test_labels_all_alike_give_such_labels(problem, team):
     assert labeller.label(team, []).labels == ()
     with pytest.raises(PlanError):
         labeller.label(team, [("move", "r1", "c-2-1", "c-1-1")])
+
+
+def test_what_no_trace_showed_speaks_against_a_step(problem, team):
+    traces = judged_walks(problem, team, np.random.default_rng(0), 30)
+    other = ground_team(first_response("two robots", "exclusive"))
+    operators, _ = walk(other.task, np.random.default_rng(3), 60)
+    plan = [other.task.action(operator) for operator in operators]
+    blind = [trace for trace in traces if all(step.action[0] != "remove-obstacle" for step in trace.steps)]
+    means = []
+    for doubt in (0.0, 0.3, 3.0):
+        labeller = Labeller.train(blind[:3], num_bootstrap=2, doubt=doubt)
+        labelled = labeller.label(other, plan)
+        assert any(labelled.unfamiliar)
+        assert labeller.summary["doubt"] == doubt
+        means.append(labelled.scores.f_robot_expected)
+        for said, unfamiliar in zip(labeller.explain(labelled, 100), labelled.unfamiliar, strict=True):
+            weight = dict(said).get("no trace showed the like", 0.0)
+            assert weight <= 0
+            assert (weight < 0) == (unfamiliar and doubt > 0)
+    assert means[0] > means[1] > means[2]
+
+
+@pytest.mark.parametrize("doubt", [-0.1, math.inf, math.nan])
+def test_doubt_must_be_a_price(problem, team, doubt):
+    with pytest.raises(UsageError, match="doubt"):
+        Labeller.train(judged_walks(problem, team, np.random.default_rng(0), 2), doubt=doubt)

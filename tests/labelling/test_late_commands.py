@@ -5,6 +5,7 @@ import pytest
 from explicable.execution import builtin_families, simulate_study
 from explicable.first_response import builtin_maps, encode
 from explicable.labelling import Labeller
+from explicable.labelling.doubt import DEFAULT_DOUBT
 from explicable.model.grounding import ground_team
 from explicable.planning import plan_classically
 
@@ -32,18 +33,20 @@ def plans():
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_steps_without_a_request_are_labelled_worse_by_who_has_seen_some(plans, seed):
+def test_steps_without_a_request_are_labelled_worse_by_who_has_seen_some_or_doubts(plans, seed):
     team, early, late = plans
     problems = [encode(world) for world in list(builtin_maps("training").values())[:8]]
     family = builtin_families()["myopic"]
     gains = {}
     for way in ("commanded", "mixed"):
-        episodes = simulate_study(problems, family, num_traces=16, seed=seed, way=way)
-        labeller = Labeller.train([episode.trace for episode in episodes], num_bootstrap=0)
-        good, bad = (labeller.label(team, plan).scores.f_robot_expected for plan in (early, late))
-        gains[way] = good - bad
-    assert gains["commanded"] < gains["mixed"] / 2  # thinks little of it
-    assert gains["mixed"] > 0.3
+        traces = [e.trace for e in simulate_study(problems, family, num_traces=16, seed=seed, way=way)]
+        for doubt in (0.0, DEFAULT_DOUBT):
+            labeller = Labeller.train(traces, num_bootstrap=0, doubt=doubt)
+            good, bad = (labeller.label(team, plan).scores.f_robot_expected for plan in (early, late))
+            gains[way, doubt] = good - bad
+    assert gains["commanded", 0.0] < gains["mixed", 0.0] / 2  # thinks little of it
+    assert gains["mixed", 0.0] > 0.3
+    assert gains["commanded", DEFAULT_DOUBT] > gains["mixed", 0.0] * 2 / 3
 
 
 def test_one_of_four_games_surprises():

@@ -24,7 +24,7 @@ def extend_all(scorer, operators, states):
 
 
 def from_scratch(labeller, team, operators, states, *, expected):
-    rows = team.extract(operators, states)
+    rows = labeller.familiar_features(team.extract(operators, states))
     clamp = [[True if team.tables.is_human(operator) else None for operator in operators]]
     if not expected:
         return labeller.model.predict([rows], clamp)[0].count(False), 0.0

@@ -26,6 +26,12 @@ _MOST = 100_000  # copies of a trace, and models: a hundred times what anybody h
 @click.option("--c1", type=FiniteRange(min=0), default=0.0, show_default=True, help="L1 penalty.")
 @click.option("--c2", type=FiniteRange(min=0), default=1.0, show_default=True, help="L2 penalty.")
 @click.option(
+    "--doubt",
+    type=FiniteRange(min=0),
+    help="Log odds by which each feature that no trace showed speaks against a step; not with --augment."
+    " Default: 0.3.",
+)
+@click.option(
     "--augment",
     type=click.IntRange(min=0, max=_MOST),
     metavar="N",
@@ -64,6 +70,7 @@ def train(
     output: Path,
     c1: float,
     c2: float,
+    doubt: float | None,
     augment: int | None,
     bootstrap: int | None,
     seed: int,
@@ -78,9 +85,13 @@ def train(
 
     if calibration is not None and num_folds is None:
         raise click.UsageError("--calibration needs --cross-validate")
+    if doubt is not None and augment is not None:
+        raise click.UsageError("--doubt is of lifted features, and --augment has none")
     if bootstrap is None:
         bootstrap = DEFAULT_BOOTSTRAP if augment is None else 0
     options: dict[str, Any] = {"c1": c1, "c2": c2, "num_bootstrap": bootstrap, "seed": seed}
+    if doubt is not None:
+        options["doubt"] = doubt
     if augment is not None:
         options |= {"symbols": "ground", "num_copies": augment}
     traces = _read(files)

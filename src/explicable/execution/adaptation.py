@@ -80,7 +80,7 @@ def adapt(
     if all(answer is None for answer in answers):
         return labeller
     execution = features.task.execute(actions)
-    rows = features.extract(execution.operators, execution.states)
+    rows = labeller.familiar_features(features.extract(execution.operators, execution.states))
     labels = [
         True if features.tables.is_human(operator) else answer
         for operator, answer in zip(execution.operators, answers, strict=True)

@@ -5,6 +5,7 @@ from explicable.labelling.augment import ground_symbol_features
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.learning import Symbols
+from explicable.labelling.templates import UNFAMILIAR
 
 
 def evidence(model: ConditionalRandomField) -> dict[str, float]:
@@ -38,4 +39,12 @@ def compile_scorer(
         actions = [team.task.action(operator) or ("",) for operator in range(team.task.num_operators)]
         own = [-sum(spoken.get(name, 0.0) for name in row) for row in ground_symbol_features(actions)]
     transitions = model.transition_weights_.tolist()
-    return _core.Scorer(team.task.core, team.tables, weights, transitions, expected=expected, own=own)
+    return _core.Scorer(
+        team.task.core,
+        team.tables,
+        weights,
+        transitions,
+        expected=expected,
+        own=own,
+        unfamiliar=-spoken.get(UNFAMILIAR, 0.0),
+    )

@@ -32,9 +32,10 @@ class LabelledPlan:
         The most probable labels where annotators named tasks: the task that a step serves, False for
         inexplicable, True for explicable without a task named. The same as `labels` where none did.
     features
-        Of each step, by name; none for human steps.
+        Of each step, by name; none for human steps. Those that no trace showed in training are named
+        `explicable.labelling.templates.UNFAMILIAR`.
     unfamiliar
-        Whether each step shows something that no trace showed in training: what people make of it is a guess.
+        Whether each step has such features: what people make of it is a guess.
         False for human steps, and where features are ground symbols.
     scores
         Explicability in all variants, the weights taken for granted.

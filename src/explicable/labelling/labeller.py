@@ -1,6 +1,7 @@
 """The labeller: learns from traces what people find explicable, and labels plans that nobody has seen yet."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import pairwise
@@ -14,14 +15,15 @@ from explicable.errors import LabellerError, UsageError
 from explicable.labelling.choices import ChoiceModel
 from explicable.labelling.compiling import compile_scorer, evidence
 from explicable.labelling.crf import ConditionalRandomField
+from explicable.labelling.doubt import DEFAULT_DOUBT, mark_unfamiliar, with_doubt
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.labelled_plan import LabelledPlan, clamp_humans
 from explicable.labelling.labeller_file import LabellerContent, read_labeller, write_labeller
-from explicable.labelling.learning import CLASSES, Symbols, TrainingData, step_features
+from explicable.labelling.learning import CLASSES, Rows, Symbols, TrainingData, step_features
 from explicable.labelling.population import fit_population
 from explicable.labelling.score import score_plan
 from explicable.labelling.situations import HUMAN_FEATURES
-from explicable.labelling.templates import explain_feature
+from explicable.labelling.templates import UNFAMILIAR, explain_feature
 from explicable.labelling.traces import Trace
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem, TeamTask, schema_kind
@@ -95,6 +97,7 @@ class Labeller:
         annotator_weights: Mapping[str, float] | None = None,
         symbols: Symbols = "lifted",
         num_copies: int = 0,
+        doubt: float = DEFAULT_DOUBT,
     ) -> "Self":
         """Train on labelled traces.
 
@@ -122,6 +125,10 @@ class Labeller:
         num_copies
             With ground symbols: that many copies of each trace, its objects renamed at random, are trained
             on as well (the paper: 1000).
+        doubt
+            Log odds by which each lifted feature that no trace showed speaks against a step, so that a
+            planner doesn't take what nobody has judged for explicable; 0: it says nothing. Of no effect with
+            ground symbols, of which every new problem shows unknown ones.
 
         Raises
         ------
@@ -134,6 +141,8 @@ class Labeller:
             raise UsageError(f"the number of bootstrap models must not be negative, as {num_bootstrap} is")
         if num_copies < 0 or (num_copies and symbols == "lifted"):
             raise UsageError("copies with other names are for ground symbols, and their number is at least 0")
+        if not 0 <= doubt < math.inf:
+            raise UsageError(f"doubt must be finite and at least 0, not {doubt}")
         data = TrainingData(symbols, num_copies, np.random.default_rng((seed, 1)))
         for trace in traces:
             data.add(trace)
@@ -155,12 +164,17 @@ class Labeller:
             "c2": c2,
             "num_bootstrap": num_bootstrap,
             "num_copies": num_copies,
+            "doubt": 0.0 if symbols == "ground" else doubt,
             "seed": seed,
             "num_traces": len(data.labels),
             "num_labels": data.num_labels,
             "annotators": len(set(data.annotators)),
             "objective": model.objective_,
         }
+        if symbols == "lifted":
+            model, *bootstrap = with_doubt([model, *bootstrap], doubt)
+            if task_model is not None:
+                (task_model,) = with_doubt([task_model], doubt)
         return cls(model, bootstrap, data.schemas, summary, symbols=symbols, task_model=task_model)
 
     @staticmethod
@@ -218,7 +232,7 @@ class Labeller:
         """
         features = self.features(team)
         execution = features.task.execute(actions)
-        rows = step_features(features, execution, self.symbols, knowing)
+        rows = self.familiar_features(step_features(features, execution, self.symbols, knowing))
         is_robot = tuple(not features.tables.is_human(operator) for operator in execution.operators)
         clamp = [clamp_humans(is_robot)]
         (labels,) = self.model.predict([rows], clamp)
@@ -231,7 +245,7 @@ class Labeller:
             labels=tuple(bool(label) for label in labels),
             task_labels=tuple(task_labels),
             features=tuple(rows),
-            unfamiliar=tuple(self.symbols == "lifted" and not self._familiar.issuperset(row) for row in rows),
+            unfamiliar=tuple(UNFAMILIAR in row for row in rows),
             scores=score_plan(self.model, rows, is_robot, is_asked=is_robot),
             models=self.bootstrap or (self.model,),
         )
@@ -304,10 +318,17 @@ class Labeller:
         """
         explanations = []
         for names in plan.features:
-            spoken = [(explain_feature(name), self._evidence.get(name, 0.0)) for name in names]
+            spoken = [
+                (explain_feature(name), number * self._evidence.get(name, 0.0))
+                for name, number in Counter(names).items()
+            ]
             spoken.sort(key=lambda pair: -abs(pair[1]))
             explanations.append([pair for pair in spoken if pair[1] != 0.0][:num_features])
         return explanations
+
+    def familiar_features(self, rows: Rows) -> Rows:
+        """Return the features of steps as the models know them: what no trace showed is called so."""
+        return rows if self.symbols == "ground" else mark_unfamiliar(rows, self._familiar)
 
     def unknown_schemas(self, problem: TeamProblem) -> tuple[str, ...]:
         """List the robots' action schemas that never occurred in training: their labels are guesses."""

@@ -27,16 +27,31 @@ BESIDE = (*PROGRESS, "human-step", NOTHING)
 MAX_ARGUMENTS = 8
 """Further arguments of an action are not compared."""
 
+UNFAMILIAR = "unfamiliar"
+"""In the place of each feature that no trace showed, of those templates that say something of every step."""
+
 Kind = Literal["schema", "neighbour", "argument", "progress", "beside"]
 
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """A family of features: its name, the kinds of its values, and how to tell it to a person."""
+    """A family of features.
+
+    Attributes
+    ----------
+    name
+    kinds
+        Of its values.
+    text
+        How to tell it to a person.
+    is_optional
+        Whether it may say nothing of a robot's step; of others, each step has exactly one feature.
+    """
 
     name: str
     kinds: tuple[Kind, ...]
     text: str
+    is_optional: bool = False
 
     def feature(self, *values: object) -> str:
         """Name one feature of the family.
@@ -57,20 +72,23 @@ _TEMPLATES = (
         "same-after",
         ("schema", "schema", "argument", "argument"),
         "of the {0}, argument {2} is argument {3} of the {1} before it",
+        is_optional=True,
     ),
     Template(
         "same-before",
         ("schema", "schema", "argument", "argument"),
         "of the {0}, argument {2} is argument {3} of the {1} after it",
+        is_optional=True,
     ),
     Template(
         "same-human",
         ("schema", "schema", "argument", "argument"),
         "of the {0}, argument {2} is argument {3} of the person's last {1}",
+        is_optional=True,
     ),
-    Template("undoes", ("schema",), "the {} undoes the robots' step before"),
-    Template("returns", ("schema",), "the {} undoes a recent step of the robots"),
-    Template("unbelieved", ("schema",), "the person believes that this {} is impossible"),
+    Template("undoes", ("schema",), "the {} undoes the robots' step before", is_optional=True),
+    Template("returns", ("schema",), "the {} undoes a recent step of the robots", is_optional=True),
+    Template("unbelieved", ("schema",), "the person believes that this {} is impossible", is_optional=True),
     Template("request", ("schema", "progress"), "{}, as the person sees the request: {}"),
     Template("request-own", ("schema", "progress"), "{}, as the robot sees the request: {}"),
     Template("goal", ("schema", "progress"), "{}, as the person sees the nearest goal: {}"),
@@ -98,6 +116,8 @@ def explain_feature(feature: str) -> str:
     >>> explain_feature("request: move farther")
     'move, as the person sees the request: farther'
     """
+    if feature == UNFAMILIAR:
+        return "no trace showed the like"
     name, _, values = feature.partition(": ")
     template = TEMPLATES.get(name)
     if template is None:

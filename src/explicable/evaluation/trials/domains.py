@@ -17,6 +17,7 @@ from explicable.evaluation.trials.training import (
     train,
 )
 from explicable.execution import StudyWay, judge, prepare, simulate, simulate_study
+from explicable.labelling.doubt import DEFAULT_DOUBT
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
 from explicable.pddl import read_team_problem
@@ -42,6 +43,8 @@ class Settings:
     way
         In which these games are played: ``commanded``, or ``mixed`` with games in which the robots go ahead
         unasked, as they do in many plans.
+    doubt
+        Of what no trace showed, in log odds a feature.
     num_own_plans
         Plans of planners, for the same problem, that participants have labelled too.
     num_judges
@@ -56,6 +59,7 @@ class Settings:
     family: str = "mission"
     num_traces: int = 8
     way: StudyWay = "commanded"
+    doubt: float = DEFAULT_DOUBT
     num_own_plans: int = 0
     num_judges: int = 3
     plans: tuple[str, ...] = ("ff", "greedy")
@@ -72,10 +76,10 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
         [problem], family, num_traces=settings.num_traces, seed=chance, way=settings.way
     )
     traces = [episode.trace for episode in episodes]
-    labeller = train(traces)
+    labeller = train(traces, doubt=settings.doubt)
     if settings.num_own_plans:
         own = label_plans(seed, settings.family, [problem], labeller, settings.num_own_plans)
-        labeller = train([*traces, *own])
+        labeller = train([*traces, *own], doubt=settings.doubt)
     judges = draw_participants(seed, settings.family, settings.num_judges + 1)
     game = simulate(setting, judges[-1], np.random.default_rng((*seed, PLAYING)))
     plans = {"participants": game.trace.actions}

@@ -17,9 +17,10 @@ from explicable.evaluation.trials.training import (
     train,
     training_traces,
 )
-from explicable.execution import judge, prepare, simulate
+from explicable.execution import StudyWay, judge, prepare, simulate
 from explicable.labelling import Labeller
 from explicable.labelling.annotators import krippendorff_alpha
+from explicable.labelling.doubt import DEFAULT_DOUBT
 from explicable.model.grounding import ground_team
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
@@ -32,7 +33,7 @@ class Settings:
 
     Parameters
     ----------
-    semantics, family, judges, num_traces, noise, num_maps
+    semantics, family, judges, num_traces, way, noise, doubt, num_maps
         As in `explicable.evaluation.trials.plans.Settings`.
     symbols, num_copies
         Features: ``lifted``, or the paper's ``ground`` ones; copies of each trace with other names.
@@ -46,7 +47,9 @@ class Settings:
     family: str = "myopic"
     judges: str = ""
     num_traces: int = 34
+    way: StudyWay = "mixed"
     noise: float = -1.0
+    doubt: float = DEFAULT_DOUBT
     num_maps: int = 0
     symbols: Literal["lifted", "ground"] = "lifted"
     num_copies: int = 0
@@ -59,11 +62,17 @@ class Settings:
 
 def measure(settings: Settings, seed: Seed) -> list[Row]:
     """Train, and predict what participants say of held-out plans: one row a plan."""
-    traces = training_traces(seed, settings.family, settings.semantics, settings.num_traces, settings.noise)
-    labeller = Labeller.train(
-        traces, num_bootstrap=settings.num_bootstrap, symbols=settings.symbols, num_copies=settings.num_copies
+    traces = training_traces(
+        seed, settings.family, settings.semantics, settings.num_traces, settings.noise, settings.way
     )
-    planner = train(traces)
+    labeller = Labeller.train(
+        traces,
+        num_bootstrap=settings.num_bootstrap,
+        symbols=settings.symbols,
+        num_copies=settings.num_copies,
+        doubt=settings.doubt,
+    )
+    planner = train(traces, doubt=settings.doubt)
     judges = draw_participants(seed, settings.judges or settings.family, settings.num_judges)
     rows = []
     for held in held_out(seed, settings.semantics, settings.num_maps):

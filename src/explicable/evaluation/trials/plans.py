@@ -26,6 +26,7 @@ from explicable.evaluation.trials.training import (
 )
 from explicable.execution import Participant, Setting, StudyWay, judge, prepare, simulate
 from explicable.labelling import Labeller, Trace
+from explicable.labelling.doubt import DEFAULT_DOUBT
 from explicable.labelling.features import TeamFeatures
 from explicable.model.grounding import ground_team
 from explicable.model.plan import format_action
@@ -67,6 +68,8 @@ class Settings:
         Share of wrong labels in them; negative: as the family has it.
     symbols, num_copies
         Features: ``lifted``, or the paper's ``ground`` ones; copies of each trace with other names.
+    doubt
+        Of what no trace showed, in log odds a feature; lifted features only.
     num_maps
         Generated maps to plan for; 0: the package's four test maps.
     plans
@@ -90,6 +93,7 @@ class Settings:
     noise: float = -1.0
     symbols: Literal["lifted", "ground"] = "lifted"
     num_copies: int = 0
+    doubt: float = DEFAULT_DOUBT
     num_maps: int = 0
     plans: tuple[str, ...] = ("ff", "shortest", "paper", "explicable", "participants")
     alpha: float = 1.0
@@ -155,11 +159,11 @@ def measure(settings: Settings, seed: Seed) -> list[Row]:
         traces, games = read_study(settings.traces, problems)
     else:
         traces, games = _simulated_traces(settings, seed), {}
-    labeller = train(traces, settings.symbols, settings.num_copies)
+    labeller = train(traces, settings.symbols, settings.num_copies, settings.doubt)
     if settings.num_own_plans:
         places = training_problems(settings.semantics)
         own = label_plans(seed, settings.family, places, labeller, settings.num_own_plans)
-        labeller = train([*traces, *own], settings.symbols, settings.num_copies)
+        labeller = train([*traces, *own], settings.symbols, settings.num_copies, settings.doubt)
     known = Knowledge(labeller, HumanModel.learn(traces), settings.alpha)
     judges = draw_participants(seed, settings.judges or settings.family, settings.num_judges)
     player, *_ = draw_participants((seed[0], seed[1] + _PLAYERS), settings.judges or settings.family, 1)

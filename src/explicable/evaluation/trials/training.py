@@ -20,6 +20,7 @@ from explicable.execution import (
 from explicable.first_response import World, builtin_maps, encode, generate
 from explicable.first_response.encoding import Semantics
 from explicable.labelling import Labeller, Trace, read_traces
+from explicable.labelling.doubt import DEFAULT_DOUBT
 from explicable.labelling.traces import problem_checksum, split_traces
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
@@ -130,10 +131,13 @@ def _plan(problem: TeamProblem, labeller: Labeller, is_explicable: bool) -> Team
 
 
 def train(
-    traces: list[Trace], symbols: Literal["lifted", "ground"] = "lifted", num_copies: int = 0
+    traces: list[Trace],
+    symbols: Literal["lifted", "ground"] = "lifted",
+    num_copies: int = 0,
+    doubt: float = DEFAULT_DOUBT,
 ) -> Labeller:
     """Train a labeller; intervals are not asked of it here, so it needs no bootstrap."""
-    return Labeller.train(traces, num_bootstrap=0, symbols=symbols, num_copies=num_copies)
+    return Labeller.train(traces, num_bootstrap=0, symbols=symbols, num_copies=num_copies, doubt=doubt)
 
 
 def find_family(name: str) -> Family:
