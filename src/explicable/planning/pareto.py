@@ -78,15 +78,13 @@ class Pool:
 
     def __init__(self) -> None:
         self.outcome = Outcome.LIMIT
-        self.evaluations = 0
-        self.search_s = 0.0
         self._plans: dict[tuple[GroundAtom, ...], FrontPlan] = {}
         self._bounds: dict[float, float] = {}  # by alpha
         self._most_explicable: dict[int, FrontPlan | None] = {}  # by limit of cost
 
     def add(self, found: TeamPlan, alpha: float | None = None) -> None:
         """Take a search's plan and its bound of J at an alpha; without one nothing is known of J."""
-        self._count(found)
+        self._note_outcome(found)
         if alpha is not None:
             self._bounds[alpha] = found.lower_bound
         plan = _front_plan(found)
@@ -95,16 +93,14 @@ class Pool:
 
     def add_within(self, max_cost: int, found: TeamPlan) -> None:
         """Take the plan found to be the most explicable of at most some cost."""
-        self._count(found)
+        self._note_outcome(found)
         plan = self._most_explicable[max_cost] = _front_plan(found)
         if plan is not None:
             self._plans[plan.plan.actions] = plan  # a corner after all, where corners are not proved
 
-    def _count(self, found: TeamPlan) -> None:
+    def _note_outcome(self, found: TeamPlan) -> None:
         # Without an affordable plan in time, what was found before is still there.
         self.outcome = found.outcome if found.plan or not self._plans else Outcome.SOLVED
-        self.evaluations += found.evaluations
-        self.search_s += found.search_s
 
     @property
     def has_plan(self) -> bool:
