@@ -58,6 +58,7 @@ Tour::Tour(const Question& question, const std::vector<char>& possible)
         measure_distances();
         plan_tours();
         list_parts(question.goal);
+        list_losses();
     }
     possible_ = nullptr;
     is_charged_ = {};
@@ -230,16 +231,51 @@ bool Tour::charge(FactId fact, std::vector<Need>& needs) {
     return true;
 }
 
+// The goals of the tour are achieved one after another, and what the first of them needs before the others. Where each operator that
+// adds that takes away what another goal needs, this is to be added again, which is charged for nowhere else.
+void Tour::list_losses() {
+    losses_.resize(stops_.size());
+    for (std::size_t stop = 0; stop < stops_.size(); ++stop) {
+        const auto serves = [stop](const Part& part) { return part.stop == static_cast<int>(stop); };
+        const auto first = std::find_if(parts_.begin(), parts_.end(), serves);
+        if (std::count_if(parts_.begin(), parts_.end(), serves) != 1) continue;  // either of them may come first
+        for (const Part& part : parts_) {
+            if (part.stop < 0 || serves(part)) continue;
+            for (const Need& need : part.needs) {
+                const FactId cause = need.fact == part.goal ? -1 : cause_of_loss(*first, need.fact);
+                if (cause >= 0) losses_[stop].push_back({part.goal, need.fact, cause, need.cost});
+            }
+        }
+        is_tighter_ = is_tighter_ || !losses_[stop].empty();
+    }
+}
+
+FactId Tour::cause_of_loss(const Part& first, FactId fact) const {
+    for (const Need& need : first.needs) {
+        if (need.fact == first.goal) continue;
+        const auto achievers = achievers_of(need.fact);
+        const bool is_lost = std::all_of(achievers.begin(), achievers.end(), [&](OperatorId id) {
+            return contains(task_.deletes[id], fact) && !contains(task_.adds[id], fact) && contains(task_.adds[id], need.fact);
+        });
+        if (is_lost) return need.fact;
+    }
+    return -1;
+}
+
 double Tour::cost(const State& state) const {
-    return cost([&](FactId fact) { return state.holds(task_, fact); }, state.values[mover_]);
+    return cost([&](FactId fact) { return state.holds(task_, fact); }, state.values[mover_], false);
 }
 
 double Tour::cost(const StatePacker& packer, const Word* state) const {
-    return cost([&](FactId fact) { return packer.holds(state, fact); }, packer.get(state, mover_));
+    return cost([&](FactId fact) { return packer.holds(state, fact); }, packer.get(state, mover_), false);
+}
+
+double Tour::bound(const StatePacker& packer, const Word* state) const {
+    return cost([&](FactId fact) { return packer.holds(state, fact); }, packer.get(state, mover_), is_tighter_);
 }
 
 template <class Holds>
-double Tour::cost(const Holds& holds, std::int32_t place) const {
+double Tour::cost(const Holds& holds, std::int32_t place, bool with_losses) const {
     double sum = 0.0;
     std::size_t left = 0;
     for (const Part& part : parts_) {
@@ -253,9 +289,14 @@ double Tour::cost(const Holds& holds, std::int32_t place) const {
     const std::size_t num_stops = stops_.size();
     double best = dead_end;
     for (std::size_t first = 0; first < num_stops; ++first) {
-        if (left >> first & 1) {
-            best = std::min(best, distance_[first][place] + tour_[left * num_stops + first]);
+        if (!(left >> first & 1)) continue;
+        double way = distance_[first][place] + tour_[left * num_stops + first];
+        if (with_losses) {
+            for (const Loss& loss : losses_[first]) {
+                if (!holds(loss.goal) && holds(loss.fact) && !holds(loss.cause)) way += loss.cost;
+            }
         }
+        best = std::min(best, way);
     }
     return sum + best;
 }
@@ -264,6 +305,7 @@ std::size_t Tour::memory_bytes() const {
     std::size_t bytes = sizeof(*this) + tour_.capacity() * sizeof(double) + parts_.capacity() * sizeof(Part);
     for (const auto& row : distance_) bytes += row.capacity() * sizeof(double);
     for (const Part& part : parts_) bytes += part.needs.capacity() * sizeof(Need);
+    for (const auto& row : losses_) bytes += row.capacity() * sizeof(Loss);
     return bytes;
 }
 

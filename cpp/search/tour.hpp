@@ -27,6 +27,10 @@ public:
     bool exists() const { return !stops_.empty(); }
     double cost(const State& state) const;
     double cost(const StatePacker& packer, const Word* state) const;
+    // A tighter bound: what other stops need may hold and be lost by what has to be done for the first one, and is then to be achieved
+    // again. So it is for a robot that has been sent elsewhere than where it should go first, and can be sent to one place at a time.
+    double bound(const StatePacker& packer, const Word* state) const;
+    bool is_tighter() const { return is_tighter_; }  // the bound, in some states
     std::size_t memory_bytes() const;
 
 private:
@@ -42,6 +46,10 @@ private:
         std::vector<Need> needs;  // the goal itself first
         int stop = -1;            // in the tour, if any
     };
+    struct Loss {  // what a lacking goal needs is lost if another stop than its own comes first, as long as that one's need lacks
+        FactId goal, fact, cause;
+        double cost;
+    };
 
     const Task& task_;
     const Table<std::int32_t>& achievers_;
@@ -50,12 +58,14 @@ private:
     std::vector<std::vector<double>> distance_;  // [stop][value]: from the value to the stop
     std::vector<double> tour_;          // [set of stops * number of stops + first of them]: the rest of the tour
     std::vector<Part> parts_;
+    std::vector<std::vector<Loss>> losses_;  // by first stop
+    bool is_tighter_ = false;
     // While it is made:
     const std::vector<char>* possible_;
     std::vector<char> is_charged_;      // operators
 
     template <class Holds>
-    double cost(const Holds& holds, std::int32_t place) const;  // the place is the mover's value
+    double cost(const Holds& holds, std::int32_t place, bool with_losses) const;  // the place is the mover's value
     std::vector<OperatorId> achievers_of(FactId fact) const;
     std::int32_t place_needed(FactId goal, VariableId variable) const;  // 0: none, or not one
     bool moves(OperatorId id, VariableId variable) const;
@@ -64,6 +74,8 @@ private:
     void plan_tours();
     void list_parts(const std::vector<FactId>& goals);
     bool charge(FactId fact, std::vector<Need>& needs);
+    void list_losses();
+    FactId cause_of_loss(const Part& first, FactId fact) const;  // -1: none
 };
 
 class TourHeuristic : public AdmissibleHeuristic {

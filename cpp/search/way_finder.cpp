@@ -5,15 +5,25 @@
 
 #include "search/open_list.hpp"
 #include "search/solve.hpp"
+#include "task/state_registry.hpp"
 #include "task/successor.hpp"
 
 namespace explicable {
+
+namespace {
+
+constexpr std::int64_t most_within_bound = 200'000;  // evaluations, a few microseconds each
+
+}  // namespace
 
 WayFinder::Answer WayFinder::find(const Question& question, const Limits& limits) {
     if (question.is_goal(question.initial)) return {true, std::vector<OperatorId>()};
     const auto around = tour(question);
     if (around->exists()) {
         if (auto plan = descend(question, *around, limits.evaluations)) return {true, std::move(plan)};
+        if (around->is_tighter() && around->cost(question.initial) < dead_end) {
+            if (auto plan = search_within_bound(question, *around, most_within_bound)) return {true, std::move(plan)};
+        }
     }
     SearchOptions options;
     options.algorithm = "astar";
@@ -51,8 +61,9 @@ std::optional<std::vector<OperatorId>> WayFinder::descend(const Question& questi
     std::vector<Word> words(packer_.num_words()), next(words.size()), best_words(words.size());
     packer_.pack(question.initial, words.data());
     State state = question.initial;
-    double h = tour.cost(state);
+    double h = tour.cost(state), left = tour.bound(packer_, words.data());  // of what a plan may still cost
     std::int64_t evaluations = 1;
+    if (h < left) return std::nullopt;
     while (!question.is_goal(state)) {
         question.successors.applicable(state, applicable);
         evaluations += static_cast<std::int64_t>(applicable.size());
@@ -63,7 +74,7 @@ std::optional<std::vector<OperatorId>> WayFinder::descend(const Question& questi
             apply(question.task, packer_, step, words.data(), next.data());
             const double ahead = tour.cost(packer_, next.data());
             const Key key{question.task.cost[step] + ahead, ahead};
-            if (key >= best) continue;
+            if (key >= best || question.task.cost[step] + tour.bound(packer_, next.data()) > left) continue;
             best = key;
             first = step;
             best_words = next;
@@ -71,10 +82,58 @@ std::optional<std::vector<OperatorId>> WayFinder::descend(const Question& questi
         if (first < 0 || best.first < h) return std::nullopt;
         plan.push_back(first);
         h = best.second;
+        left -= question.task.cost[first];
         std::swap(words, best_words);
         packer_.unpack(words.data(), state);
     }
     return plan;
+}
+
+// A*, of nodes through which a plan may lead that costs no more than the tighter bound says: if there is one, it is a best one.
+std::optional<std::vector<OperatorId>> WayFinder::search_within_bound(const Question& question, const Tour& tour,
+                                                                      std::int64_t max_evaluations) const {
+    struct Node {
+        double cost;
+        StateId parent;
+        OperatorId step;
+        bool is_expanded = false;
+    };
+    StateRegistry states(packer_.num_words());
+    std::vector<Node> nodes;
+    OpenList<StateId> open;
+    std::vector<Word> words(packer_.num_words());
+    std::vector<OperatorId> applicable;
+    State state = question.initial;
+    packer_.pack(state, words.data());
+    const double most = tour.bound(packer_, words.data());
+    const auto arrive = [&](Node node) {
+        if (node.cost + tour.bound(packer_, words.data()) > most) return;
+        const auto [id, is_new] = states.insert(words.data());
+        if (is_new) nodes.push_back(node);
+        else if (node.cost < nodes[id].cost) nodes[id] = node;
+        else return;
+        const double ahead = tour.cost(packer_, words.data());
+        open.push({node.cost + ahead, ahead}, id);
+    };
+    arrive({0.0, -1, -1});
+    for (std::int64_t evaluations = 1; !open.empty() && evaluations <= max_evaluations;) {
+        const StateId id = open.pop();
+        if (nodes[id].is_expanded) continue;
+        nodes[id].is_expanded = true;
+        packer_.unpack(states[id], state);
+        if (question.is_goal(state)) {
+            std::vector<OperatorId> plan;
+            for (StateId at = id; nodes[at].parent >= 0; at = nodes[at].parent) plan.push_back(nodes[at].step);
+            return std::vector<OperatorId>(plan.rbegin(), plan.rend());
+        }
+        question.successors.applicable(state, applicable);
+        evaluations += static_cast<std::int64_t>(applicable.size());
+        for (const OperatorId step : applicable) {
+            apply(question.task, packer_, step, states[id], words.data());
+            arrive({nodes[id].cost + question.task.cost[step], id, step});
+        }
+    }
+    return std::nullopt;
 }
 
 }  // namespace explicable

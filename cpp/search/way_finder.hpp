@@ -17,7 +17,8 @@
 namespace explicable {
 
 // Answers as A* with the tour heuristic does, plan for plan. What A* makes for each question is made once for all questions
-// alike, and where the heuristic is exact A* only ever goes down, which takes no open list.
+// alike, and where the heuristic is exact A* only ever goes down, which takes no open list. Where it is not, the tighter bound mostly
+// tells what lies on no best way. A* may leave that out: of what does, the one that would come first still does.
 class WayFinder {
 public:
     WayFinder(const PreparedTask& prepared, const StatePacker& packer) : prepared_(prepared), packer_(packer) {}
@@ -39,6 +40,7 @@ private:
 
     std::shared_ptr<const Tour> tour(const Question& question);
     std::optional<std::vector<OperatorId>> descend(const Question& question, const Tour& tour, std::int64_t max_evaluations) const;
+    std::optional<std::vector<OperatorId>> search_within_bound(const Question& question, const Tour& tour, std::int64_t max_evaluations) const;
 };
 
 }  // namespace explicable

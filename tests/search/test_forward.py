@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tiny_strategies import tiny_tasks
 
+from explicable import _core
 from explicable.errors import UsageError
 from explicable.first_response import encode, generate
 from explicable.model.grounding import ground
@@ -86,6 +87,25 @@ def test_ways_on_a_floor_plan_are_those_of_a_fresh_search_whatever_was_asked_bef
             plan = search(task, "astar", heuristic="tour", initial_state=state, goal=goal)
             way = CostsToGo(task).way(state, goal)
             assert (None if way is None else tuple(way)) == plan.operators
+
+
+def test_ways_of_robots_sent_elsewhere_are_those_of_a_fresh_search():
+    # Whatever was commanded, something else may lie nearer: then the tour is less than the mission costs.
+    misled = 0
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        world = generate(rng, height=8, width=8, num_marks=5)
+        task = ground(encode(world, "exclusive").composite)
+        commands = [o for o in range(task.num_operators) if task.action(o)[0] == "command"]
+        for command in commands:
+            state = task.successor(task.initial_state, command)
+            for _ in range(int(rng.integers(12))):
+                moves = [o for o in task.applicable(state) if task.action(o)[0] == "move"]
+                state = task.successor(state, int(rng.choice(moves)))
+            plan = search(task, "astar", heuristic="tour", initial_state=state)
+            assert tuple(CostsToGo(task).way(state, task.goal)) == plan.operators
+            misled += _core.heuristic_value(task.core, state, list(task.goal), "tour") < plan.cost
+    assert misled > 0
 
 
 @given(tiny_tasks(), st.frozensets(st.integers(0, 5), max_size=2))
