@@ -85,15 +85,7 @@ def train(
 
     if calibration is not None and num_folds is None:
         raise click.UsageError("--calibration needs --cross-validate")
-    if doubt is not None and augment is not None:
-        raise click.UsageError("--doubt is of lifted features, and --augment has none")
-    if bootstrap is None:
-        bootstrap = DEFAULT_BOOTSTRAP if augment is None else 0
-    options: dict[str, Any] = {"c1": c1, "c2": c2, "num_bootstrap": bootstrap, "seed": seed}
-    if doubt is not None:
-        options["doubt"] = doubt
-    if augment is not None:
-        options |= {"symbols": "ground", "num_copies": augment}
+    options = {"c1": c1, "c2": c2, "seed": seed, **_kind_of_labeller(doubt, augment, bootstrap)}
     traces = _read(files)
     validation = None
     with naming_traces(*files), counting(1 + (num_folds or 0)) as tell:
@@ -120,6 +112,16 @@ def train(
     echo(f"{output}: trained on {labeller.summary['num_labels']} labels in {len(traces)} traces", err=True)
     if validation is not None:
         _print(validation, by)
+
+
+def _kind_of_labeller(doubt: float | None, augment: int | None, bootstrap: int | None) -> dict[str, Any]:
+    """Return what `Labeller.train` calls the options of which one decides about another."""
+    if augment is None:
+        kind = {} if doubt is None else {"doubt": doubt}
+        return {**kind, "num_bootstrap": DEFAULT_BOOTSTRAP if bootstrap is None else bootstrap}
+    if doubt is not None:
+        raise click.UsageError("--doubt is of lifted features, and --augment has none")
+    return {"symbols": "ground", "num_copies": augment, "num_bootstrap": bootstrap or 0}
 
 
 def _read(files: tuple[Path, ...]) -> "list[Trace]":
