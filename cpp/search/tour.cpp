@@ -15,42 +15,6 @@ bool contains(std::span<const FactId> facts, FactId fact) {
 
 }  // namespace
 
-std::vector<char> find_possible(const PreparedTask& prepared, const State& state) {
-    const Task& task = prepared.task();
-    std::vector<char> possible(task.num_operators(), 0), reached(task.num_facts(), 0);
-    std::vector<FactId> stack;
-    const auto reach = [&](FactId fact) {
-        if (reached[fact]) return;
-        reached[fact] = 1;
-        stack.push_back(fact);
-    };
-    for (VariableId variable = 0; variable < task.num_variables(); ++variable) {
-        if (const auto value = state.values[variable]) reach(task.variable_facts[variable][value - 1]);
-    }
-    // Conditions of effects are left out: that only makes more possible.
-    const auto& needing = prepared.needing();
-    std::vector<std::int32_t> missing(task.num_operators());
-    const auto execute = [&](OperatorId id) {
-        possible[id] = 1;
-        for (const FactId fact : task.adds[id]) reach(fact);
-        for (auto effect = task.effect_offsets[id]; effect < task.effect_offsets[id + 1]; ++effect) {
-            for (const FactId fact : task.effect_adds[effect]) reach(fact);
-        }
-    };
-    for (OperatorId id = 0; id < task.num_operators(); ++id) {
-        missing[id] = static_cast<std::int32_t>(task.preconditions[id].size());
-        if (missing[id] == 0) execute(id);
-    }
-    while (!stack.empty()) {
-        const FactId fact = stack.back();
-        stack.pop_back();
-        for (const OperatorId id : needing[fact]) {
-            if (--missing[id] == 0) execute(id);
-        }
-    }
-    return possible;
-}
-
 Tour::Tour(const Question& question, const std::vector<char>& possible)
     : task_(question.task), achievers_(question.prepared.achievers()), possible_(&possible), is_charged_(task_.num_operators(), 0) {
     choose_mover(question);

@@ -7,13 +7,10 @@
 #include <vector>
 
 #include "search/heuristics.hpp"
+#include "search/possible.hpp"
 #include "task/packed_state.hpp"
 
 namespace explicable {
-
-// Which operators can ever be executed from a state on, by the delete relaxation, for each whether it can. What can't change, such
-// as a way that is blocked, closes operators.
-std::vector<char> find_possible(const PreparedTask& prepared, const State& state);
 
 // Let one variable move, a robot's place say, and forget all else that its moves need. Where everything that achieves a goal
 // needs one value of it, that value has to be visited: what all visits cost together is a travelling-salesman path

@@ -35,15 +35,15 @@ WayFinder::Answer WayFinder::find(const Question& question, const Limits& limits
 
 // Two questions have the same tour if they ask for the same goals, of which the same hold, and the same operators are possible.
 std::shared_ptr<const Tour> WayFinder::tour(const Question& question) {
-    const auto possible = find_possible(prepared_, question.initial);
-    std::string key(possible.begin(), possible.end());
+    const std::lock_guard lock(mutex_);
+    const auto [number, possible] = possible_.find(question.initial);
+    std::string key(reinterpret_cast<const char*>(&number), sizeof(number));
     for (const FactId goal : question.goal) {
         key.append(reinterpret_cast<const char*>(&goal), sizeof(goal));
         key.push_back(static_cast<char>(question.initial.holds(question.task, goal)));
     }
-    const std::lock_guard lock(mutex_);
     if (const auto known = tours_.find(key); known != tours_.end()) return known->second;
-    auto made = std::make_shared<const Tour>(question, possible);
+    auto made = std::make_shared<const Tour>(question, possible->operators);
     const std::size_t bytes = made->memory_bytes() + key.size();
     if (bytes_ + bytes > most_bytes) {
         tours_.clear();

@@ -21,7 +21,7 @@ namespace explicable {
 // tells what lies on no best way. A* may leave that out: of what does, the one that would come first still does.
 class WayFinder {
 public:
-    WayFinder(const PreparedTask& prepared, const StatePacker& packer) : prepared_(prepared), packer_(packer) {}
+    WayFinder(const PreparedTask& prepared, const StatePacker& packer) : prepared_(prepared), packer_(packer), possible_(prepared) {}
 
     struct Answer {
         bool is_known = false;  // else a limit ended the search
@@ -35,6 +35,7 @@ private:
     const PreparedTask& prepared_;
     const StatePacker& packer_;
     std::mutex mutex_;
+    KnownPossible possible_;
     std::unordered_map<std::string, std::shared_ptr<const Tour>> tours_;
     std::size_t bytes_ = 0;
 
