@@ -174,7 +174,8 @@ std::unique_ptr<AdmissibleHeuristic> make_admissible(const Question& question, s
     if (name == "hmax") return std::make_unique<LandmarkCut>(question, false);
     if (name == "lmcut") return std::make_unique<LandmarkCut>(question, true);
     if (name == "tour") {
-        Tour tour(question, find_possible(question.prepared, question.initial).operators);
+        KnownMoves moves;
+        Tour tour(question, find_possible(question.prepared, question.initial).operators, moves);
         if (tour.exists()) return std::make_unique<TourHeuristic>(std::move(tour));
         return make_admissible(question, "lmcut");
     }

@@ -15,11 +15,42 @@ bool contains(std::span<const FactId> facts, FactId fact) {
 
 }  // namespace
 
-Tour::Tour(const Question& question, const std::vector<char>& possible)
-    : task_(question.task), achievers_(question.prepared.achievers()), possible_(&possible), is_charged_(task_.num_operators(), 0) {
+Moves::Moves(const Task& task, VariableId variable) : variable_(variable), operators_(task.num_operators(), 0) {
+    std::vector<std::vector<Move>> to(task.variable_facts[variable].size() + 1);
+    for (OperatorId id = 0; id < task.num_operators(); ++id) {
+        Move move{-1, id};
+        for (const FactId fact : task.preconditions[id]) {
+            if (task.fact_variable[fact] == variable) move.from = task.fact_value[fact];
+        }
+        bool lands = false, leaves = false;
+        const auto land = [&](std::span<const FactId> facts) {
+            for (const FactId fact : facts) {
+                if (task.fact_variable[fact] != variable) continue;
+                lands = true;
+                to[task.fact_value[fact]].push_back(move);
+            }
+        };
+        const auto leave = [&](std::span<const FactId> facts) {
+            leaves = leaves || std::any_of(facts.begin(), facts.end(), [&](FactId fact) { return task.fact_variable[fact] == variable; });
+        };
+        land(task.adds[id]);
+        leave(task.deletes[id]);
+        const bool lands_for_certain = lands;
+        for (auto effect = task.effect_offsets[id]; effect < task.effect_offsets[id + 1]; ++effect) {
+            land(task.effect_adds[effect]);
+            leave(task.effect_deletes[effect]);
+        }
+        operators_[id] = lands || leaves;
+        if (operators_[id] && !lands_for_certain) to[0].push_back(move);
+    }
+    for (const auto& moves : to) to_.push_back(moves);
+}
+
+Tour::Tour(const Question& question, const std::vector<char>& possible, KnownMoves& moves)
+    : task_(question.task), achievers_(question.prepared.achievers()), possible_(&possible) {
     choose_mover(question);
     if (mover_ != none) {
-        measure_distances();
+        measure_distances(moves.of(task_, mover_));
         plan_tours();
         list_parts(question.goal);
         list_losses();
@@ -34,17 +65,6 @@ std::vector<OperatorId> Tour::achievers_of(FactId fact) const {
         if ((*possible_)[id] && (found.empty() || found.back() != id)) found.push_back(id);
     }
     return found;
-}
-
-bool Tour::moves(OperatorId id, VariableId variable) const {
-    const auto touches = [&](std::span<const FactId> facts) {
-        return std::any_of(facts.begin(), facts.end(), [&](FactId f) { return task_.fact_variable[f] == variable; });
-    };
-    if (touches(task_.adds[id]) || touches(task_.deletes[id])) return true;
-    for (auto effect = task_.effect_offsets[id]; effect < task_.effect_offsets[id + 1]; ++effect) {
-        if (touches(task_.effect_adds[effect]) || touches(task_.effect_deletes[effect])) return true;
-    }
-    return false;
 }
 
 std::int32_t Tour::place_needed(FactId goal, VariableId variable) const {
@@ -88,43 +108,9 @@ void Tour::choose_mover(const Question& question) {
 }
 
 // Backwards from each stop, by Dijkstra's algorithm. Operators that move the mover are charged for here.
-void Tour::measure_distances() {
-    struct Move {
-        std::int32_t from;
-        double cost;
-    };
+void Tour::measure_distances(const Moves& moves) {
     const std::int32_t num_values = static_cast<std::int32_t>(task_.variable_facts[mover_].size()) + 1;
-    std::vector<std::vector<Move>> moves_to(num_values);
-    for (OperatorId id = 0; id < task_.num_operators(); ++id) {
-        if (!(*possible_)[id] || !moves(id, mover_)) continue;
-        is_charged_[id] = 1;
-        std::int32_t from = -1;
-        for (const FactId fact : task_.preconditions[id]) {
-            if (task_.fact_variable[fact] == mover_) from = task_.fact_value[fact];
-        }
-        const double cost = std::max(0, task_.cost[id]);
-        const auto arrive = [&](std::int32_t to) {
-            if (from >= 0) {
-                moves_to[to].push_back({from, cost});
-            } else {
-                for (std::int32_t value = 0; value < num_values; ++value) moves_to[to].push_back({value, cost});
-            }
-        };
-        bool lands = false;
-        const auto land = [&](std::span<const FactId> facts) {
-            for (const FactId fact : facts) {
-                if (task_.fact_variable[fact] != mover_) continue;
-                lands = true;
-                arrive(task_.fact_value[fact]);
-            }
-        };
-        land(task_.adds[id]);
-        const bool lands_for_certain = lands;
-        for (auto effect = task_.effect_offsets[id]; effect < task_.effect_offsets[id + 1]; ++effect) {
-            land(task_.effect_adds[effect]);
-        }
-        if (!lands_for_certain) arrive(0);
-    }
+    is_charged_ = moves.operators();
     using Entry = std::pair<double, std::int32_t>;
     for (const std::int32_t stop : stops_) {
         auto& distance = distance_.emplace_back(num_values, dead_end);
@@ -135,10 +121,16 @@ void Tour::measure_distances() {
             const auto [reached, value] = queue.top();
             queue.pop();
             if (reached > distance[value]) continue;
-            for (const Move& move : moves_to[value]) {
-                if (reached + move.cost >= distance[move.from]) continue;
-                distance[move.from] = reached + move.cost;
-                queue.push({distance[move.from], move.from});
+            const auto come_from = [&](std::int32_t from, double sum) {
+                if (sum >= distance[from]) return;
+                distance[from] = sum;
+                queue.push({sum, from});
+            };
+            for (const auto& move : moves.to(value)) {
+                if (!(*possible_)[move.by]) continue;
+                const double sum = reached + std::max(0, task_.cost[move.by]);
+                if (move.from >= 0) come_from(move.from, sum);
+                else for (std::int32_t from = 0; from < num_values; ++from) come_from(from, sum);
             }
         }
     }

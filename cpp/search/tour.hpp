@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,36 @@
 
 namespace explicable {
 
+// The operators that may change one variable.
+class Moves {
+public:
+    Moves(const Task& task, VariableId variable);
+    struct Move {
+        std::int32_t from;  // -1: any value
+        OperatorId by;
+    };
+    VariableId variable() const { return variable_; }
+    const std::vector<char>& operators() const { return operators_; }                // for each whether it is one
+    std::span<const Move> to(std::int32_t value) const { return to_[value]; }
+
+private:
+    VariableId variable_;
+    std::vector<char> operators_;
+    Table<Move> to_;
+};
+
+// Those of the variable asked about last: mostly it is the same one.
+class KnownMoves {
+public:
+    const Moves& of(const Task& task, VariableId variable) {
+        if (!moves_ || moves_->variable() != variable) moves_.emplace(task, variable);
+        return *moves_;
+    }
+
+private:
+    std::optional<Moves> moves_;
+};
+
 // Let one variable move, a robot's place say, and forget all else that its moves need. Where everything that achieves a goal
 // needs one value of it, that value has to be visited: what all visits cost together is a travelling-salesman path
 // without return (Held & Karp 1962) over distances in the variable's transition graph. On top of that, each fact that is
@@ -20,7 +52,7 @@ namespace explicable {
 class Tour {
 public:
     // Of the question's state it matters alone which goals hold there, and what is possible from it on.
-    Tour(const Question& question, const std::vector<char>& possible);
+    Tour(const Question& question, const std::vector<char>& possible, KnownMoves& moves);
     bool exists() const { return !stops_.empty(); }
     double cost(const State& state) const;
     double cost(const StatePacker& packer, const Word* state) const;
@@ -65,9 +97,8 @@ private:
     double cost(const Holds& holds, std::int32_t place, bool with_losses) const;  // the place is the mover's value
     std::vector<OperatorId> achievers_of(FactId fact) const;
     std::int32_t place_needed(FactId goal, VariableId variable) const;  // 0: none, or not one
-    bool moves(OperatorId id, VariableId variable) const;
     void choose_mover(const Question& question);
-    void measure_distances();
+    void measure_distances(const Moves& moves);
     void plan_tours();
     void list_parts(const std::vector<FactId>& goals);
     bool charge(FactId fact, std::vector<Need>& needs);

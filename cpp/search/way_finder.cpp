@@ -43,7 +43,7 @@ std::shared_ptr<const Tour> WayFinder::tour(const Question& question) {
         key.push_back(static_cast<char>(question.initial.holds(question.task, goal)));
     }
     if (const auto known = tours_.find(key); known != tours_.end()) return known->second;
-    auto made = std::make_shared<const Tour>(question, possible->operators);
+    auto made = std::make_shared<const Tour>(question, possible->operators, moves_);
     const std::size_t bytes = made->memory_bytes() + key.size();
     if (bytes_ + bytes > most_bytes) {
         tours_.clear();

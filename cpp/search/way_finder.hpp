@@ -36,6 +36,7 @@ private:
     const StatePacker& packer_;
     std::mutex mutex_;
     KnownPossible possible_;
+    KnownMoves moves_;
     std::unordered_map<std::string, std::shared_ptr<const Tour>> tours_;
     std::size_t bytes_ = 0;
 
