@@ -6,7 +6,8 @@ from explicable.first_response.encoding import encode
 from explicable.first_response.map_file import parse_map
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.doubt import with_doubt
-from explicable.labelling.labeller import CLASSES, Labeller
+from explicable.labelling.labeller import Labeller
+from explicable.labelling.learning import CLASSES
 from explicable.labelling.traces import LabelledStep, Trace
 from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem

@@ -8,19 +8,17 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from explicable import _core
 from explicable.errors import LabellerError, UsageError
 from explicable.labelling.choices import ChoiceModel
 from explicable.labelling.compiling import compile_scorer, evidence
 from explicable.labelling.crf import ConditionalRandomField
-from explicable.labelling.doubt import DEFAULT_DOUBT, mark_unfamiliar, with_doubt
+from explicable.labelling.doubt import DEFAULT_DOUBT, mark_unfamiliar
 from explicable.labelling.features import TeamFeatures
 from explicable.labelling.labelled_plan import LabelledPlan, clamp_humans
 from explicable.labelling.labeller_file import LabellerContent, read_labeller, write_labeller
-from explicable.labelling.learning import CLASSES, Rows, Symbols, TrainingData, step_features
-from explicable.labelling.population import fit_population
+from explicable.labelling.learner import learn
+from explicable.labelling.learning import Rows, Symbols, step_features
 from explicable.labelling.score import score_plan
 from explicable.labelling.situations import HUMAN_FEATURES
 from explicable.labelling.templates import UNFAMILIAR, explain_feature
@@ -137,48 +135,22 @@ class Labeller:
         TraceError
             If a trace can't be executed in its problem; ``line`` is the number of the trace, from 1.
         """
-        if num_bootstrap < 0:
-            raise UsageError(f"the number of bootstrap models must not be negative, as {num_bootstrap} is")
-        if num_copies < 0 or (num_copies and symbols == "lifted"):
-            raise UsageError("copies with other names are for ground symbols, and their number is at least 0")
-        if not 0 <= doubt < math.inf:
-            raise UsageError(f"doubt must be finite and at least 0, not {doubt}")
-        data = TrainingData(symbols, num_copies, np.random.default_rng((seed, 1)))
-        for trace in traces:
-            data.add(trace)
-        if data.num_labels == 0:
-            raise UsageError("no robot's step has a label: there is nothing to learn from")
-        sample_weight = [float((annotator_weights or {}).get(name, 1.0)) for name in data.annotators]
-        weight_of_copies = np.repeat(sample_weight, 1 + num_copies)
-        model = ConditionalRandomField(c1=c1, c2=c2, classes=CLASSES)
-        model.fit(data.sequences(), data.answers(), weight_of_copies, data.given())
-        rng = np.random.default_rng(seed)
-        bootstrap = fit_population(model, data, rng, num_bootstrap, sample_weight) if num_bootstrap else []
-        task_model = None
-        if data.task_names:
-            task_model = ConditionalRandomField(c1=c1, c2=c2, classes=(True, *data.task_names, False))
-            answers = (row for row in data.task_labels for _ in range(1 + num_copies))
-            task_model.fit(data.sequences(), answers, weight_of_copies, data.given())
-        summary = {
-            "c1": c1,
-            "c2": c2,
-            "num_bootstrap": num_bootstrap,
-            "num_copies": num_copies,
-            "doubt": 0.0 if symbols == "ground" else doubt,
-            "seed": seed,
-            "num_traces": len(data.labels),
-            "num_labels": data.num_labels,
-            "annotators": len(set(data.annotators)),
-            "objective": model.objective_,
-        }
-        if symbols == "lifted":
-            model, *bootstrap = with_doubt([model, *bootstrap], doubt)
-            if task_model is not None:
-                (task_model,) = with_doubt([task_model], doubt)
-        return cls(model, bootstrap, data.schemas, summary, symbols=symbols, task_model=task_model)
+        return cls._of(
+            learn(
+                traces,
+                c1=c1,
+                c2=c2,
+                num_bootstrap=num_bootstrap,
+                seed=seed,
+                annotator_weights=annotator_weights or {},
+                symbols=symbols,
+                num_copies=num_copies,
+                doubt=doubt,
+            )
+        )
 
-    @staticmethod
-    def load(path: str | Path) -> "Labeller":
+    @classmethod
+    def load(cls, path: str | Path) -> "Self":
         """Read a labeller file.
 
         Raises
@@ -186,8 +158,11 @@ class Labeller:
         LabellerError
             If it is damaged, of another version, or no labeller at all.
         """
-        content = read_labeller(path)
-        return Labeller(
+        return cls._of(read_labeller(path))
+
+    @classmethod
+    def _of(cls, content: LabellerContent) -> "Self":
+        return cls(
             content.model,
             content.bootstrap,
             content.schemas,
