@@ -1,6 +1,6 @@
 #include "search/way_finder.hpp"
 
-#include <string_view>
+#include <span>
 #include <utility>
 
 #include "search/open_list.hpp"
@@ -13,6 +13,19 @@ namespace explicable {
 namespace {
 
 constexpr std::int64_t most_within_bound = 200'000;  // evaluations, a few microseconds each
+
+// Unpacks what a step may have changed: on a large map, little of a state with all that is believed of its cells.
+void refresh(const Task& task, const StatePacker& packer, OperatorId step, const Word* words, State& state) {
+    const auto look_at = [&](std::span<const FactId> facts) {
+        for (const FactId fact : facts) state.values[task.fact_variable[fact]] = packer.get(words, task.fact_variable[fact]);
+    };
+    look_at(task.adds[step]);
+    look_at(task.deletes[step]);
+    for (auto effect = task.effect_offsets[step]; effect < task.effect_offsets[step + 1]; ++effect) {
+        look_at(task.effect_adds[effect]);
+        look_at(task.effect_deletes[effect]);
+    }
+}
 
 }  // namespace
 
@@ -84,7 +97,7 @@ std::optional<std::vector<OperatorId>> WayFinder::descend(const Question& questi
         h = best.second;
         left -= question.task.cost[first];
         std::swap(words, best_words);
-        packer_.unpack(words.data(), state);
+        refresh(question.task, packer_, first, words.data(), state);
     }
     return plan;
 }
