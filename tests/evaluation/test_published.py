@@ -85,9 +85,9 @@ def test_figures_of_other_domains_follow_from_their_records():
     (scores,) = [table for table in answer(experiment, records).tables if table.name == "scores"]
     made = {row[0]: row for row in scores.rows}
     page = (DOCS / "planning.md").read_text()
-    printed = re.findall(r"(?m)^\| (\S+, \w+, own plans \d) \| (.+) \| (.+) \| (.+) \|$", page)
-    assert len(printed) == 24
-    for cell, plan, *figures in printed:
-        row = made[f"{cell.replace(', own', ', mixed play, own')}: {plan}"]
+    printed = re.findall(r"(?m)^\| (\S+, \w+), (own plans \d, doubt \S+) \| (.+) \| (.+) \| (.+) \|$", page)
+    assert len(printed) == 30
+    for cell, training, plan, *figures in printed:
+        row = made[f"{cell}, mixed play, {training}: {plan}"]
         numbers = [list(map(float, NUMBER.findall(text))) for text in (*figures, *row[2:4])]
         assert [*numbers[0], *numbers[1]] == pytest.approx([*numbers[2], *numbers[3]], rel=0.02, abs=0.002)
