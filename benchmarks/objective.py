@@ -24,6 +24,7 @@ from explicable.first_response import World, builtin_maps, encode, generate
 from explicable.labelling import Labeller
 from explicable.model.grounding import ground_team
 from explicable.planning import TeamPlan, plan_explicably
+from explicable.planning.team_plan import DEFAULT_ALPHA
 from explicable.search import search
 
 CLOSE = 0.01
@@ -166,7 +167,7 @@ def records(setting: Setting, seeds: range, large_seeds: range) -> Iterator[dict
     help=f"{LARGE}x{LARGE} maps with {LARGE_MARKS} marked rooms.",
 )
 @click.option("--seed", default=50_000, show_default=True, help="Of the first map; the others follow.")
-@click.option("--alpha", default=1.0, show_default=True, help="Price of one inexplicable step.")
+@click.option("--alpha", default=DEFAULT_ALPHA, show_default=True, help="Price of one inexplicable step.")
 @click.option("--semantics", type=click.Choice(["persistent", "exclusive"]), default="persistent")
 @click.option("--patience", default=60.0, show_default=True, help="Seconds for a proof after the fact.")
 @click.option(

@@ -7,9 +7,11 @@ from xml.etree import ElementTree as ET
 import pytest
 from typed_commands import BAD_INPUT, HUMAN, LIMIT, SOLVED, TASK, UNSOLVABLE, USAGE, Finished, explicable
 
+from explicable.cli import prices
 from explicable.model.grounding import ground_team
 from explicable.model.plan import read_plan
 from explicable.pddl import read_team_problem
+from explicable.planning import team_plan
 
 
 def plan_as_json(place, *options):
@@ -232,3 +234,8 @@ def test_every_command_explains_itself():
         done = explicable(*command, "--help")
         assert done.code == 0
         assert "Usage" in done.out
+
+
+def test_the_price_that_help_tells_is_the_planners():
+    assert prices.DEFAULT_ALPHA == team_plan.DEFAULT_ALPHA
+    assert f"Default: {team_plan.DEFAULT_ALPHA:g}." in " ".join(explicable("plan", "--help").out.split())

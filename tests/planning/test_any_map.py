@@ -69,4 +69,4 @@ def test_the_explicable_plan_is_never_worse_than_one_made_without_regard_to_the_
     first = plan_explicably(team, labeller, improve_s=0)
     enough = first.evaluations + plain.evaluations + 1  # to find both, and no time to improve them
     found = plan_explicably(team, labeller, improve_s=PATIENCE_S, max_evaluations=enough)
-    assert found.objective <= objective(plain.plan, plain.labelled, 1.0) + 1e-9
+    assert found.objective <= objective(plain.plan, plain.labelled, found.alpha) + 1e-9

@@ -17,7 +17,7 @@ from explicable.cli.files import (
     team_problem_arguments,
 )
 from explicable.cli.outcomes import exit_code, hand_over, json_option
-from explicable.cli.prices import HumanSteps, human_step_options
+from explicable.cli.prices import HumanSteps, alpha_option, human_step_options
 from explicable.cli.printing import echo, warn
 from explicable.cli.progress import working
 from explicable.model.plan import format_action
@@ -94,7 +94,7 @@ def describe_step(step: "StepExplanation") -> dict[str, Any]:
 @click.command()
 @click.argument("labeller_file", metavar="LABELLER", type=INPUT_FILE)
 @team_problem_arguments
-@click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
+@alpha_option
 @click.option(
     "--telling-cost", type=float, default=1.0, show_default=True, help="Price of telling one difference."
 )

@@ -8,6 +8,7 @@ import click
 
 from explicable.cli.files import INPUT_FILE, OUTPUT_FILE, FiniteRange, load_labeller
 from explicable.cli.first_response import map_argument, semantics_option
+from explicable.cli.prices import alpha_option
 from explicable.cli.printing import echo
 from explicable.cli.trace_files import read_human_model
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 @click.command()
 @map_argument
 @click.option("--labeller", type=INPUT_FILE, help="Let the robot plan what this labeller says people expect.")
-@click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of an inexplicable step.")
+@alpha_option
 @click.option(
     "--people",
     metavar="TRACES",

@@ -20,6 +20,7 @@ from explicable.cli.files import (
     team_problem_arguments,
 )
 from explicable.cli.outcomes import json_option
+from explicable.cli.prices import alpha_option
 from explicable.cli.printing import echo
 from explicable.cli.progress import working
 from explicable.cli.trace_files import read_human_model
@@ -150,7 +151,7 @@ def _finite(value: float | None) -> float | None:
 @click.argument("labeller_file", metavar="LABELLER", type=INPUT_FILE)
 @team_problem_arguments
 @click.argument("plan_files", metavar="PLAN...", nargs=-1, required=True, type=INPUT_FILE)
-@click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
+@alpha_option
 @people_option
 @json_option
 def rank(

@@ -21,7 +21,13 @@ from explicable.cli.files import (
 )
 from explicable.cli.limits import Limits, SearchLimits, limit_options
 from explicable.cli.outcomes import exit_code, hand_over
-from explicable.cli.prices import HumanSteps, human_step_options, improvement_options, show_progress
+from explicable.cli.prices import (
+    DEFAULT_ALPHA,
+    HumanSteps,
+    human_step_options,
+    improvement_options,
+    show_progress,
+)
 
 if TYPE_CHECKING:
     from explicable.labelling import Labeller
@@ -50,7 +56,11 @@ SCORES = ("f_paper", "f_robot", "f_expected")
     show_default=True,
     help="paper: Eq. 4 in hill-climbing, the most probable labels, and the first plan is the answer.",
 )
-@click.option("--alpha", type=float, help="Price of one inexplicable step in the unit of cost. Default: 1.")
+@click.option(
+    "--alpha",
+    type=float,
+    help=f"Price of one inexplicable step in the unit of cost. Default: {DEFAULT_ALPHA:g}.",
+)
 @budget_options
 @human_step_options
 @click.option(
@@ -116,7 +126,7 @@ class Wishes:
     @property
     def price(self) -> float:
         """What an inexplicable step costs."""
-        return 1.0 if self.alpha is None else self.alpha
+        return DEFAULT_ALPHA if self.alpha is None else self.alpha
 
     def check(self, limits: Limits) -> None:
         """Refuse options that can't be meant, or not together.

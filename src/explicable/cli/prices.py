@@ -18,6 +18,14 @@ if TYPE_CHECKING:
     from explicable.planning import HumanModel
 
 
+DEFAULT_ALPHA = 2.0
+"""`explicable.planning.team_plan.DEFAULT_ALPHA`, which would take long to import only to show it."""
+
+alpha_option = click.option(
+    "--alpha", type=float, default=DEFAULT_ALPHA, show_default=True, help="Price of one inexplicable step."
+)
+
+
 @dataclass(frozen=True, slots=True)
 class HumanSteps:
     """What the plan's human steps are charged, and where it is learned what people do."""

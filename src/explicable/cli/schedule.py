@@ -17,6 +17,7 @@ from explicable.cli.files import (
     team_problem_arguments,
 )
 from explicable.cli.outcomes import failure_code, hand_over, json_option
+from explicable.cli.prices import alpha_option
 from explicable.cli.printing import warn
 from explicable.errors import InputError
 from explicable.model.plan import format_action
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
 @click.option(
     "--labeller", "labeller_file", type=INPUT_FILE, help="What people find explicable (see `train`)."
 )
-@click.option("--alpha", type=float, default=1.0, show_default=True, help="Price of one inexplicable step.")
+@alpha_option
 @click.option(
     "--time-limit",
     type=FiniteRange(min=0, min_open=True),

@@ -5,6 +5,7 @@ import math
 from explicable.labelling import Labeller
 from explicable.model.team import TeamTask
 from explicable.planning import HumanModel, TeamPlan, plan_explicably
+from explicable.planning.team_plan import DEFAULT_ALPHA
 
 PROOF_EVALUATIONS = 200_000
 """Budget of a search for the least objective: more than any proof on the maps takes, some seconds elsewhere.
@@ -17,7 +18,7 @@ def plan_best(
     team_task: TeamTask,
     labeller: Labeller,
     *,
-    alpha: float = 1.0,
+    alpha: float = DEFAULT_ALPHA,
     human_model: HumanModel | None = None,
     human_step_weight: float = 0.0,
 ) -> TeamPlan:

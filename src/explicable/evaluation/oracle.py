@@ -11,6 +11,7 @@ from explicable.execution.mind import Mind
 from explicable.model.problem import GroundAtom
 from explicable.model.requests import Request
 from explicable.model.task import State
+from explicable.planning.team_plan import DEFAULT_ALPHA
 from explicable.search import Outcome
 
 _MAX_EXPANSIONS = 20_000
@@ -48,7 +49,7 @@ class OraclePlanner:
     under way the rest after it is planned as by the participant's choice, request by request.
     """
 
-    def __init__(self, setting: Setting, person: SimulatedPerson, alpha: float = 1.0) -> None:
+    def __init__(self, setting: Setting, person: SimulatedPerson, alpha: float = DEFAULT_ALPHA) -> None:
         self.setting, self.person, self.alpha = setting, person, alpha
 
     def __call__(self, situation: Situation) -> Proposal:

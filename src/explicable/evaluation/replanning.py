@@ -24,6 +24,7 @@ from explicable.model.plan import Actions
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamProblem
 from explicable.planning import HumanModel
+from explicable.planning.team_plan import DEFAULT_ALPHA
 from explicable.search import Outcome, SearchResult, search
 
 _NUM_PREDICTIONS = 4
@@ -51,7 +52,7 @@ class Prices:
         Of a next request that is predicted and does not come: foresight mostly prevails.
     """
 
-    alpha: float = 1.0
+    alpha: float = DEFAULT_ALPHA
     beta: float = 0.1
     gamma: float = 10.0
 

@@ -21,7 +21,7 @@ from explicable.planning.best_schedule import BestSchedule, schedule_objective
 from explicable.planning.goal_orders import GoalOrders
 from explicable.planning.planner import plan_explicably
 from explicable.planning.relaxed_times import RelaxedTimes, Timetable
-from explicable.planning.team_plan import check_alpha
+from explicable.planning.team_plan import DEFAULT_ALPHA, check_alpha
 from explicable.planning.tellings import Telling, label_told
 from explicable.search import Outcome, search
 
@@ -80,7 +80,7 @@ def plan_schedule(
     durations: Durations | None = None,
     *,
     labeller: "Labeller | None" = None,
-    alpha: float = 1.0,
+    alpha: float = DEFAULT_ALPHA,
     time_limit_s: float = 10.0,
     max_width: int = 4096,
     seed: int = 0,
@@ -162,7 +162,7 @@ def schedule_plan(
     durations: Durations | None = None,
     *,
     labeller: "Labeller | None" = None,
-    alpha: float = 1.0,
+    alpha: float = DEFAULT_ALPHA,
     tellings: Sequence[Telling] = (),
 ) -> ScheduledPlan:
     """Let the steps of a given plan overlap where they don't interfere.

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypedDict
 
 from explicable.errors import UsageError
 from explicable.model.team import TeamTask
-from explicable.planning.team_plan import TeamPlan, best_plan, check_alpha
+from explicable.planning.team_plan import DEFAULT_ALPHA, TeamPlan, best_plan, check_alpha
 from explicable.search import (
     Algorithm,
     Closing,
@@ -66,7 +66,7 @@ def plan_explicably(
     team_task: "TeamTask | TeamFeatures",
     labeller: "Labeller",
     *,
-    alpha: float = 1.0,
+    alpha: float = DEFAULT_ALPHA,
     algorithm: Algorithm = "default",
     expected: bool = True,
     closing: Closing = "state",

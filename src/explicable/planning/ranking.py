@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from explicable.errors import PlanError
 from explicable.model.problem import GroundAtom
 from explicable.model.team import TeamTask
-from explicable.planning.team_plan import check_alpha, joint_plan, objective
+from explicable.planning.team_plan import DEFAULT_ALPHA, check_alpha, joint_plan, objective
 
 if TYPE_CHECKING:
     from explicable.labelling import LabelledPlan, Labeller
@@ -49,7 +49,7 @@ def rank(
     team_task: TeamTask,
     labeller: "Labeller",
     plans: Iterable[Sequence[GroundAtom]],
-    alpha: float = 1.0,
+    alpha: float = DEFAULT_ALPHA,
     *,
     human_model: "HumanModel | None" = None,
 ) -> list[RankedPlan]:

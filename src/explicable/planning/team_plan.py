@@ -94,6 +94,10 @@ def plan_of(team_task: TeamTask, operators: Sequence[int]) -> JointPlan:
     return joint_plan(team_task, tuple(map(task.action, operators)), sum(map(task.cost, operators)))
 
 
+DEFAULT_ALPHA = 2.0
+"""A step that the person doesn't understand is as bad as two steps more (docs/planning.md, *Which price*)."""
+
+
 def check_alpha(alpha: float) -> float:
     """Return ``alpha``, the price of one inexplicable step in the unit of cost.
 

@@ -24,7 +24,7 @@ from explicable.planning.differences import Difference, find_differences
 from explicable.planning.explanation import explain
 from explicable.planning.listener import AS_GOOD, Listener, WeighedPlan
 from explicable.planning.planner import plan_explicably
-from explicable.planning.team_plan import check_alpha, plan_of
+from explicable.planning.team_plan import DEFAULT_ALPHA, check_alpha, plan_of
 from explicable.planning.tellings import Telling
 from explicable.search import Outcome, search
 
@@ -88,7 +88,7 @@ def conform_or_explain(
     team_task: TeamTask,
     labeller: "Labeller",
     *,
-    alpha: float = 1.0,
+    alpha: float = DEFAULT_ALPHA,
     telling_cost: float = 1.0,
     max_told: int = 2,
     max_sets: int = 64,

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from explicable.first_response.encoding import Semantics
+from explicable.planning.team_plan import DEFAULT_ALPHA
 from explicable.study.game import Ask
 from explicable.study.recruitment import unknown_field
 
@@ -43,7 +44,7 @@ class Play(_Table):
     semantics: Semantics = "exclusive"
     mode: Literal["commanded", "autonomous", "teaming"] = "commanded"
     labeller: Text | None = None
-    alpha: Annotated[float, Field(ge=0, le=1e6)] = 1.0
+    alpha: Annotated[float, Field(ge=0, le=1e6)] = DEFAULT_ALPHA
     planning_s: Annotated[float, Field(gt=0, le=10)] = 0.3
     ask: Ask = "after"
     step_s: Seconds = 1.0

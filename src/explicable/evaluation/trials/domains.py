@@ -22,6 +22,7 @@ from explicable.model.grounding import ground_team
 from explicable.model.team import TeamProblem
 from explicable.pddl import read_team_problem
 from explicable.planning import HumanModel
+from explicable.planning.team_plan import DEFAULT_ALPHA
 
 FILES = ("domain.pddl", "problem.pddl", "human-domain.pddl", "human-problem.pddl")
 BUILTIN = ("rover-survey", "warehouse", "mast-inspection")
@@ -63,7 +64,7 @@ class Settings:
     num_own_plans: int = 0
     num_judges: int = 3
     plans: tuple[str, ...] = ("ff", "greedy")
-    alpha: float = 1.0
+    alpha: float = DEFAULT_ALPHA
 
 
 def measure(settings: Settings, seed: Seed) -> list[Row]:

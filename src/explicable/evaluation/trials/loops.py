@@ -18,6 +18,7 @@ from explicable.evaluation.trials.training import (
     training_traces,
 )
 from explicable.execution import Participant, Setting, SimulatedPerson, prepare
+from explicable.planning.team_plan import DEFAULT_ALPHA
 
 STRATEGIES = ("follower", "nearest", "ff", "explicable", "learning", "oracle")
 """See `explicable.evaluation.strategies.strategies`."""
@@ -42,7 +43,7 @@ class Settings:
     judges: str = ""
     num_traces: int = 34
     num_maps: int = 0
-    alpha: float = 1.0
+    alpha: float = DEFAULT_ALPHA
     num_players: int = 3
     strategies: tuple[str, ...] = STRATEGIES
 

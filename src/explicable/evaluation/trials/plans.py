@@ -40,6 +40,7 @@ from explicable.planning import (
     plan_explicably,
     plan_within_budget,
 )
+from explicable.planning.team_plan import DEFAULT_ALPHA
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +97,7 @@ class Settings:
     doubt: float = DEFAULT_DOUBT
     num_maps: int = 0
     plans: tuple[str, ...] = ("ff", "shortest", "paper", "explicable", "participants")
-    alpha: float = 1.0
+    alpha: float = DEFAULT_ALPHA
     num_judges: int = 3
     keep_steps: bool = False
 
