@@ -1,10 +1,11 @@
 """The faithful option: ground symbols and permuted copies, from training to search; where it cannot apply."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
-from small_teams import MAPS, courier, first_response, random_trace, walk
+from small_teams import COURIER, COURIER_PROBLEM, MAPS, courier, first_response, random_trace, walk
 
 from explicable.errors import LabellerError, UsageError
 from explicable.first_response.encoding import encode
@@ -130,3 +131,24 @@ def test_lifted_features_lose_nothing_on_unseen_names_where_ground_symbols_do(pr
     renamed = [(schema, *(shift.get(name, name) for name in names)) for schema, *names in plan]
     assert lifted.label(team, plan).probabilities == lifted.label(there, renamed).probabilities
     assert ground.label(team, plan).probabilities != ground.label(there, renamed).probabilities
+
+
+def test_an_action_may_be_named_unfamiliar():
+    domain = parse_domain(COURIER.replace("(:action go", "(:action unfamiliar"))
+    problem = TeamProblem(parse_problem(COURIER_PROBLEM.format(lift=""), domain))
+    features = TeamFeatures(ground_team(problem))
+    traces = [
+        random_trace(problem, np.random.default_rng(seed), 15, "anna", features.team) for seed in (1, 2)
+    ]
+    labeller = Labeller.train(traces, symbols="ground", num_bootstrap=0)
+    scorer = labeller.scorer(features)
+    for trace in traces:
+        labelled = labeller.label(features, trace.actions)
+        assert any(action[0] == "unfamiliar" for action in trace.actions)
+        assert not any(labelled.unfamiliar)
+        execution = features.task.execute(trace.actions)
+        context = scorer.root(execution.states[0])
+        for operator, (before, after) in zip(execution.operators, pairwise(execution.states), strict=True):
+            context = scorer.extend(context, operator, before, after)
+        expected = len(trace.steps) * (1 - labelled.scores.f_expected)
+        assert scorer.score(context, execution.states[-1], [])[0] == pytest.approx(expected)

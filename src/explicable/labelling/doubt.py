@@ -34,7 +34,7 @@ def mark_unfamiliar(rows: Rows, known: Collection[str]) -> Rows:
     Examples
     --------
     >>> mark_unfamiliar([("step: move", "step: fly", "undoes: move")], {"step: move"})
-    [('step: move', 'unfamiliar', 'undoes: move')]
+    [('step: move', 'unfamiliar:', 'undoes: move')]
     """
     return [
         tuple(name if name in known or name.startswith(_OPTIONAL) else UNFAMILIAR for name in row)

@@ -27,7 +27,7 @@ BESIDE = (*PROGRESS, "human-step", NOTHING)
 MAX_ARGUMENTS = 8
 """Further arguments of an action are not compared."""
 
-UNFAMILIAR = "unfamiliar"
+UNFAMILIAR = "unfamiliar:"  # no name in PDDL
 """In the place of each feature that no trace showed, of those templates that say something of every step."""
 
 Kind = Literal["schema", "neighbour", "argument", "progress", "beside"]
