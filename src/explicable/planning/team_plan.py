@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from explicable.planning.predictions import HumanModel, PredictedSteps
 
 
+DEFAULT_ALPHA = 2.0
+"""A step that the person doesn't understand is as bad as two steps more (docs/planning.md, *Which price*)."""
+
+
 @dataclass(frozen=True, slots=True)
 class TeamPlan:
     """What planning for a team came to.
@@ -92,10 +96,6 @@ def plan_of(team_task: TeamTask, operators: Sequence[int]) -> JointPlan:
     """Make a joint plan of operators of the composite task."""
     task = team_task.task
     return joint_plan(team_task, tuple(map(task.action, operators)), sum(map(task.cost, operators)))
-
-
-DEFAULT_ALPHA = 2.0
-"""A step that the person doesn't understand is as bad as two steps more (docs/planning.md, *Which price*)."""
 
 
 def check_alpha(alpha: float) -> float:
