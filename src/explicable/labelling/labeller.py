@@ -15,9 +15,9 @@ from explicable.labelling.compiling import compile_scorer, evidence
 from explicable.labelling.crf import ConditionalRandomField
 from explicable.labelling.doubt import DEFAULT_DOUBT, mark_unfamiliar
 from explicable.labelling.features import TeamFeatures
+from explicable.labelling.fitting import fit_labeller
 from explicable.labelling.labelled_plan import LabelledPlan, clamp_humans
 from explicable.labelling.labeller_file import LabellerContent, read_labeller, write_labeller
-from explicable.labelling.learner import learn
 from explicable.labelling.learning import Rows, Symbols, step_features
 from explicable.labelling.score import score_plan
 from explicable.labelling.situations import HUMAN_FEATURES
@@ -136,7 +136,7 @@ class Labeller:
             If a trace can't be executed in its problem; ``line`` is the number of the trace, from 1.
         """
         return cls._of(
-            learn(
+            fit_labeller(
                 traces,
                 c1=c1,
                 c2=c2,

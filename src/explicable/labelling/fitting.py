@@ -14,7 +14,7 @@ from explicable.labelling.population import fit_population
 from explicable.labelling.traces import Trace
 
 
-def learn(
+def fit_labeller(
     traces: Iterable[Trace],
     *,
     c1: float,
