@@ -83,6 +83,7 @@ void RelaxedPlanner::extract(std::span<const FactId> goal) {
     }
     plan_.clear();
     supports_.clear();
+    costs_.clear();
     h_add_ = 0;
     for (const FactId fact : goal) {
         h_add_ = saturated(h_add_, fact_cost_[fact]);
@@ -114,7 +115,8 @@ void RelaxedPlanner::extract_for(FactId goal) {
             const OperatorId id = relaxed_.owner[support];
             if (several_pieces_ || operator_seen_[id] != round_) {
                 operator_seen_[id] = round_;
-                supports_.push_back(support);
+                if (several_pieces_) supports_.push_back(support);
+                costs_.push_back(fact_cost_[fact]);
                 plan_.push_back(id);
             }
         }
@@ -123,8 +125,6 @@ void RelaxedPlanner::extract_for(FactId goal) {
 }
 
 std::span<const OperatorId> RelaxedPlanner::ordered_plan() {
-    costs_.clear();
-    for (const std::int32_t support : supports_) costs_.push_back(cost_of(support));
     if (!several_pieces_) {
         sort_by_cost(plan_, sorted_);
         plan_.swap(sorted_);

@@ -52,11 +52,12 @@ private:
     CostQueue queue_;
 
     std::vector<OperatorId> plan_;
-    std::vector<std::int32_t> supports_;  // places in relaxed_.adds that the plan uses, in depth-first order
+    std::vector<std::int32_t> costs_;     // of reaching each step, in depth-first order as all of these
+    std::vector<std::int32_t> supports_;  // places in relaxed_.adds that the plan uses, if operators have several pieces
     std::vector<std::uint32_t> fact_seen_, fact_first_, operator_seen_;  // round of the mark
     std::uint32_t round_ = 0;
     std::vector<Visit> stack_;
-    std::vector<std::int32_t> costs_, by_cost_, places_;  // of supports_; those in order of cost
+    std::vector<std::int32_t> by_cost_, places_;
     std::vector<OperatorId> sorted_;
     std::int32_t h_add_ = 0;
     bool several_pieces_;
