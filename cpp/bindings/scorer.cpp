@@ -8,6 +8,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -229,6 +230,23 @@ void bind_scorer(nb::module_& module) {
                  return scorer.counter()->count(check_context(scorer, context), unpack(scorer.task, state), relaxed_plan);
              },
              "context"_a, "state"_a, "relaxed_plan"_a)
+        .def("count_child",
+             [](const BoundScorer& scorer, const nb::bytes& parent, OperatorId step, const nb::bytes& before, const nb::bytes& after,
+                const Ints& relaxed_plan) {
+                 const auto is_operator = [&](OperatorId op) { return op >= 0 && op < scorer.task.num_operators(); };
+                 if (!is_operator(step) || !std::ranges::all_of(relaxed_plan, is_operator)) throw nb::index_error("no such operator");
+                 const auto* const bytes = check_context(scorer, parent);
+                 const State at = unpack(scorer.task, before), to = unpack(scorer.task, after);
+                 const auto counter = scorer.counter();
+                 if (ChildCounter* const children = counter->of_children()) {
+                     children->start(bytes, at);
+                     return children->count(step, to, relaxed_plan);
+                 }
+                 std::vector<std::byte> child(scorer.context_size());
+                 scorer.extend(bytes, step, at, to, child.data());
+                 return counter->count(child.data(), to, relaxed_plan);
+             },
+             "parent"_a, "step"_a, "before"_a, "after"_a, "relaxed_plan"_a)
         .def("charge",
              [](const BoundScorer& scorer, const nb::bytes& context) {
                  return scorer.charge(check_context(scorer, context));

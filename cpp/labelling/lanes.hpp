@@ -1,4 +1,4 @@
-// Eight 16-bit numbers at a time: as one register where the processor surely has it, else one by one.
+// Eight 16-bit numbers at a time, or two of double precision: as one register where the processor surely has it, else one by one.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +12,8 @@
 namespace explicable {
 
 inline constexpr std::size_t kLanes = 8;
+
+using Two [[gnu::vector_size(16)]] = double;
 
 inline void prefetch_line([[maybe_unused]] const void* address) {
 #if defined(__SSE2__)

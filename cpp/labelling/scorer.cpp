@@ -27,13 +27,7 @@ void Scorer::extend(const std::byte* parent, OperatorId step, const State& befor
             context.charge += price_of_surprise_ * choices_->surprise(human_weights_, before, requests, step);
         }
         advance(context, context.chain, step, tables_->open_goals(before));
-        // A request whose fact is gone has been withdrawn.
-        auto& situation = context.situation;
-        std::int32_t kept = 0;
-        for (std::int32_t i = 0; i < situation.num_open; ++i)
-            if (tables_->stands(task_, after, situation.open[i])) situation.open[kept++] = situation.open[i];
-        std::fill(situation.open.begin() + kept, situation.open.end(), 0);
-        situation.num_open = kept;
+        withdraw_requests(context.situation, after);
     }
     std::memcpy(child, &context, sizeof context);
 }
@@ -63,6 +57,17 @@ PathScore Scorer::score(const std::byte* node, const State& state, std::span<con
     walk(context, tally, state, relaxed_plan);
     if (context.num_steps == 0) return {0, 0, 0};
     return {tally.mean(), tally.variance(), context.num_steps};
+}
+
+double Scorer::count_after(Context context, OperatorId step, const OpenGoals& goals, const State& state,
+                           std::span<const OperatorId> relaxed_plan) const {
+    auto tally = tally_of<1>(context.chain);
+    if (step >= 0 && !tables_->is_auxiliary(step)) {
+        advance(context, tally, step, goals);
+        withdraw_requests(context.situation, state);
+    }
+    walk(context, tally, state, relaxed_plan);
+    return tally.mean();
 }
 
 std::uint64_t Scorer::closing_key(const std::byte* node) const { return situation_key(read(node)); }
@@ -117,16 +122,15 @@ void Scorer::advance(Context& context, Labels& labels, OperatorId step, const Op
     auto& situation = context.situation;
     const StepScore score = judge(situation, step, goals);
     if (context.num_steps > 0) append(labels, context.pending + score.of_last);
-    context.pending = score.of_step + taking_back(situation, step);
+    context.pending = score.of_step + taking_back(situation.robot_steps, step);
     ++context.num_steps;
     remember(situation, step, score.neighbour);
 }
 
 Scorer::StepScore Scorer::judge(const Situation& situation, OperatorId step, const OpenGoals& goals) const {
-    if (step < 0) return {look_ahead(situation, -1, kNothing), 0, kNothing};
     int neighbour = kHumanStep;
     const double own = is_human(step) ? kExplicable : own_score(situation, step, goals, neighbour);
-    const Pair pair = pair_score(situation, step, neighbour);
+    const Pair pair = side_by_side(situation, step, neighbour);
     return {pair.of_last, own + pair.of_step, neighbour};
 }
 
@@ -147,20 +151,17 @@ double Scorer::own_score(const Situation& situation, OperatorId step, const Open
 }
 
 // Whether it undoes the last step of a robot, or one of those before that.
-double Scorer::taking_back(const Situation& situation, OperatorId step) const {
-    const auto& recent = situation.robot_steps;
+double Scorer::taking_back(const RobotSteps& recent, OperatorId step) const {
     const auto takes_back = [this, step](OperatorId earlier) { return tables_->takes_back(step, earlier); };
     if (takes_back(recent[0])) return undoes_[schema_of(step)];
     return uses_returns_ && std::any_of(recent.begin() + 1, recent.end(), takes_back) ? returns_[schema_of(step)] : 0;
 }
 
-Scorer::Pair Scorer::pair_score(const Situation& situation, OperatorId next, int neighbour) const {
-    const TeamStep& last = (*tables_)[situation.last];
-    const TeamStep& step = (*tables_)[next];
-    const auto after = static_cast<std::size_t>(step.schema), before = static_cast<std::size_t>(last.schema);
-    Pair pair = schemas_[after * (num_schemas_ + 1) + before];
-    pair += beside_[static_cast<std::size_t>(neighbour) * kNumNeighbours + static_cast<std::size_t>(situation.neighbour)];
-    pair += same_.of(step, last);
+Scorer::Pair Scorer::pair_score(OperatorId last, OperatorId next) const {
+    const TeamStep& before = (*tables_)[last];
+    const TeamStep& after = (*tables_)[next];
+    Pair pair = schemas_[place_of_schemas(after, before)];
+    pair += same_.of(after, before);
     return pair;
 }
 
@@ -181,14 +182,25 @@ void Scorer::remember(Situation& situation, OperatorId step, int neighbour) cons
     remember_requests(situation, step);
 }
 
+// A request whose fact is gone has been withdrawn.
+void Scorer::withdraw_requests(Situation& situation, const State& state) const {
+    std::int32_t kept = 0;
+    for (std::int32_t i = 0; i < situation.num_open; ++i)
+        if (tables_->stands(task_, state, situation.open[i])) situation.open[kept++] = situation.open[i];
+    std::fill(situation.open.begin() + kept, situation.open.end(), 0);
+    situation.num_open = kept;
+}
+
 void Scorer::remember_requests(Situation& situation, OperatorId step) const {
     auto& open = situation.open;
     auto& count = situation.num_open;
+    // None stands there twice.
     const auto close = [&](std::int32_t request) {
-        const auto end = open.begin() + count;
-        const auto kept = std::remove(open.begin(), end, request);
-        std::fill(kept, end, 0);
-        count = static_cast<std::int32_t>(kept - open.begin());
+        std::int32_t place = 0;
+        while (place < count && open[static_cast<std::size_t>(place)] != request) ++place;
+        if (place == count) return;
+        for (--count; place < count; ++place) open[static_cast<std::size_t>(place)] = open[static_cast<std::size_t>(place) + 1];
+        open[static_cast<std::size_t>(count)] = 0;
     };
     if (!is_human(step)) {
         if (count > 0 && tables_->marks(step).fulfils)

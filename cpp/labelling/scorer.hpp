@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <ranges>
 #include <span>
 #include <vector>
 
@@ -30,12 +32,14 @@ inline constexpr int kMaxRequests = 8;  // a person keeps so many open requests 
 inline constexpr int kRecentSteps = 4;  // steps of robots that a later one may take back
 inline constexpr double kExplicable = -std::numeric_limits<double>::infinity();  // score of a human step, explicable by definition
 
+using RobotSteps = std::array<OperatorId, kRecentSteps>;  // the latest first
+
 // What the features of the next step need of the steps before it.
 struct Situation {
     OperatorId last = -1, last_human = -1;
     std::int32_t num_open = 0;
     std::array<std::int32_t, kMaxRequests> open{};          // requests, the latest last
-    std::array<OperatorId, kRecentSteps> robot_steps{-1, -1, -1, -1};  // the latest first
+    RobotSteps robot_steps{-1, -1, -1, -1};
     std::int32_t neighbour = kNothing;                      // `last` as the next step sees it
 
     std::span<const std::int32_t> requests() const { return std::span(open).first(static_cast<std::size_t>(num_open)); }
@@ -94,12 +98,15 @@ private:
         bool is_empty = true;
     };
     // What a step and the step before it, side by side, add to the scores of the two.
-    struct Pair {
+    struct alignas(16) Pair {
         double of_step = 0, of_last = 0;
         Pair& operator+=(const Pair& other) {
             of_step += other.of_step;
             of_last += other.of_last;
             return *this;
+        }
+        Pair& operator*=(const Pair& other) {
+            return *this = std::bit_cast<Pair>(std::bit_cast<Two>(*this) * std::bit_cast<Two>(other));
         }
         bool operator==(const Pair&) const = default;
     };
@@ -111,7 +118,24 @@ private:
         // `weight(step, other, i, j)`: of argument i of schema `step` being argument j of schema `other`.
         template <class F>
         EqualityWeights(const TeamTables& tables, F weight);
-        Weight of(const TeamStep& step, const TeamStep& other) const;
+        Weight of(const TeamStep& step, const TeamStep& other) const {
+            Weight sum{};
+            for_equal(step, other, [&sum](const Weight& weight) { sum += weight; });
+            return sum;
+        }
+        // Calls `use` with the weights that add up to what of() is.
+        template <class F>
+        void for_equal(const TeamStep& step, const TeamStep& other, F use) const;
+        // The same of each weight; `f` of none must change nothing.
+        template <class F>
+        EqualityWeights map(F f) const {
+            EqualityWeights mapped = *this;
+            std::ranges::transform(sums_, mapped.sums_.begin(), f);
+            return mapped;
+        }
+        // No more than this is the greatest sum of what `size` makes of each weight.
+        template <class F>
+        double most(F size) const;
         // Of argument i of schema `step` being argument j of schema `other`.
         const Weight& weight(std::size_t step, std::size_t other, std::size_t i, std::size_t j) const {
             return sums_[block_[step * width_ + other] + (i * halves_ + j / 4) * kSets + (std::size_t{1} << j % 4)];
@@ -139,6 +163,7 @@ private:
     }
     std::uint64_t situation_key(const Context& context) const;
     void sum_up(const FeatureWeights& weights);
+    void find_odds();
     void find_bounds();
     double from_right(double z) const;
     Span from_last(const Context& context) const;
@@ -151,7 +176,10 @@ private:
     void advance(Context& context, Labels& labels, OperatorId step, const OpenGoals& goals) const;
     template <class Labels>
     void walk(Context& context, Labels& labels, const State& state, std::span<const OperatorId> relaxed_plan) const;
-    // What a step, or -1 for the end, adds to the scores, but for what it takes back.
+    // Inexplicable steps; `step`, or -1, is taken while goals are open, and leads to the state.
+    double count_after(Context context, OperatorId step, const OpenGoals& goals, const State& state,
+                       std::span<const OperatorId> relaxed_plan) const;
+    // What a step adds to the scores, but for what it takes back.
     struct StepScore {
         double of_last, of_step;
         int neighbour;  // how the steps beside it see it
@@ -159,15 +187,28 @@ private:
     StepScore judge(const Situation& situation, OperatorId step, const OpenGoals& goals) const;
     // What a robot's step scores but for what it shares with the steps beside it; `neighbour` is how they see it.
     double own_score(const Situation& situation, OperatorId step, const OpenGoals& goals, int& neighbour) const;
-    // Of the last step and of `next`, which may be -1: the end.
-    Pair pair_score(const Situation& situation, OperatorId next, int neighbour) const;
-    double look_ahead(const Situation& situation, OperatorId next, int neighbour) const {
-        return pair_score(situation, next, neighbour).of_last;
+    // Of what two steps are; `next` may be -1: the end.
+    Pair pair_score(OperatorId last, OperatorId next) const;
+    std::size_t place_of_schemas(const TeamStep& step, const TeamStep& last) const {
+        return static_cast<std::size_t>(step.schema) * (num_schemas_ + 1) + static_cast<std::size_t>(last.schema);
     }
-    double taking_back(const Situation& situation, OperatorId step) const;
+    // Of how they see each other.
+    static std::size_t place_of(int neighbour, int neighbour_of_last) {
+        return static_cast<std::size_t>(neighbour) * kNumNeighbours + static_cast<std::size_t>(neighbour_of_last);
+    }
+    // Of both: of the last step and of `next`.
+    Pair side_by_side(const Situation& situation, OperatorId next, int neighbour) const {
+        Pair pair = pair_score(situation.last, next);
+        return pair += beside_[place_of(neighbour, situation.neighbour)];
+    }
+    double look_ahead(const Situation& situation, OperatorId next, int neighbour) const {
+        return side_by_side(situation, next, neighbour).of_last;
+    }
+    double taking_back(const RobotSteps& recent, OperatorId step) const;
     bool fulfils_open(const Situation& situation, OperatorId step) const;
     void remember(Situation& situation, OperatorId step, int neighbour) const;
     void remember_requests(Situation& situation, OperatorId step) const;
+    void withdraw_requests(Situation& situation, const State& state) const;
     void append(Chain& chain, double score) const;
     void append_best(Chain& chain, double score) const;
     void append_expected(Chain& chain, double score) const;
@@ -197,6 +238,10 @@ private:
     std::vector<Pair> beside_;             // what the step after, the step before is to its neighbour
     EqualityWeights<Pair> same_;           // step and step before
     EqualityWeights<double> same_human_;   // step and last human step
+    // The same of pairs as odds, if none are too large.
+    bool has_odds_ = false;
+    std::vector<Pair> odds_of_schemas_, odds_beside_;
+    EqualityWeights<Pair> odds_of_same_;
     std::shared_ptr<StepMemories> memories_;  // copies have the same weights
     std::shared_ptr<const HumanChoices> choices_;  // none: nothing is charged
     HumanWeights human_weights_{};
@@ -246,16 +291,28 @@ Scorer::EqualityWeights<Weight>::EqualityWeights(const TeamTables& tables, F wei
 }
 
 template <class Weight>
-inline Weight Scorer::EqualityWeights<Weight>::of(const TeamStep& step, const TeamStep& other) const {
-    Weight sum{};
+template <class F>
+inline void Scorer::EqualityWeights<Weight>::for_equal(const TeamStep& step, const TeamStep& other, F use) const {
     const auto block = block_[static_cast<std::size_t>(step.schema) * width_ + static_cast<std::size_t>(other.schema)];
-    if (block == 0) return sum;
+    if (block == 0) return;
     const Weight* sums = sums_.data() + block;
     for (std::size_t i = 0; i < rows_; ++i, sums += kSets) {
-        sum += sums[equal_in_four(step.arguments[i], other.arguments.data())];
-        if (halves_ > 1) sum += (sums += kSets)[equal_in_four(step.arguments[i], other.arguments.data() + 4)];
+        use(sums[equal_in_four(step.arguments[i], other.arguments.data())]);
+        if (halves_ > 1) use((sums += kSets)[equal_in_four(step.arguments[i], other.arguments.data() + 4)]);
     }
-    return sum;
+}
+
+template <class Weight>
+template <class F>
+double Scorer::EqualityWeights<Weight>::most(F size) const {
+    double most = 0;
+    for (auto block = sums_.begin(); block_size() > 0 && block != sums_.end(); block += static_cast<std::ptrdiff_t>(block_size())) {
+        double sum = 0;
+        for (auto four = block; four != block + static_cast<std::ptrdiff_t>(block_size()); four += kSets)
+            sum += std::ranges::max(std::span(four, kSets) | std::views::transform(size));
+        most = std::max(most, sum);
+    }
+    return most;
 }
 
 }  // namespace explicable

@@ -1,7 +1,6 @@
 // What a search asks of a scorer most often, with a memory for what steps have scored and with odds in the place of their logarithms:
-// most steps of most relaxed plans take a look-up and a few products.
+// most steps of most relaxed plans take two look-ups and a few products.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -11,8 +10,10 @@ namespace explicable {
 namespace {
 
 // Random odd numbers: the upper bits of sums of products with such are well mixed (Dietzfelbinger 1996).
-constexpr std::uint64_t kOfSteps = 0x9E3779B97F4A7C15u, kOfGoals = 0xD1B54A32D192ED03u, kOfMind = 0x8CB92BA72F3D8DD7u;
-constexpr double kMostScore = 150;  // a product of four odds within this neither overflows a tally nor vanishes
+constexpr std::uint64_t kOfSteps = 0x9E3779B97F4A7C15u, kOfGoals = 0xD1B54A32D192ED03u, kOfMind = 0x8CB92BA72F3D8DD7u,
+                        kOfFulfilling = 0xA24BAED4963EE407u;
+constexpr std::size_t kAhead = 4;  // steps, so that memory answers in time
+constexpr double kMostScore = 100;  // of a step by itself: with the pairs it is in, odds neither overflow a tally nor vanish
 
 std::uint64_t both(std::int32_t a, std::int32_t b) {
     return std::uint64_t{static_cast<std::uint32_t>(a)} << 32 | static_cast<std::uint32_t>(b);
@@ -21,130 +22,179 @@ std::uint64_t both(std::int32_t a, std::int32_t b) {
 // The robots' last steps, with what they have deleted at hand.
 class RecentSteps {
 public:
-    RecentSteps(const TeamTables& tables, const Situation& situation) {
-        for (auto step = situation.robot_steps.rbegin(); step != situation.robot_steps.rend(); ++step)
-            add(*step, tables.marks(*step));
+    RecentSteps(const TeamTables& tables, const RobotSteps& steps) {
+        for (auto step = steps.rbegin(); step != steps.rend(); ++step) add(*step, tables.marks(*step));
     }
     void add(OperatorId step, const StepMarks& marks) {
-        steps_[count_ % kRecentSteps] = step;
-        deletes_[count_ % kRecentSteps] = marks.deletes;
-        ++count_;
+        steps_[count_++ % kRecentSteps] = step;
+        for (std::size_t i = kRecentSteps - 1; i > 0; --i) deletes_[i] = deletes_[i - 1] | marks.deletes;
+        deletes_[0] = marks.deletes;
     }
-    bool may_be_taken_back(const StepMarks& marks) const {
-        bool may = false;
-        for (const auto deletes : deletes_) may |= (marks.adds & ~deletes) == 0;
-        return may;
-    }
+    // False only if the step surely takes none of them back.
+    bool may_be_taken_back(const StepMarks& marks) const { return (marks.adds & ~deletes_.back()) == 0; }
     // The latest first.
-    std::array<OperatorId, kRecentSteps> steps() const {
-        std::array<OperatorId, kRecentSteps> steps;
+    RobotSteps steps() const {
+        RobotSteps steps;
         for (std::size_t i = 0; i < kRecentSteps; ++i) steps[i] = steps_[(count_ - 1 - i) % kRecentSteps];
         return steps;
     }
 
 private:
-    std::array<OperatorId, kRecentSteps> steps_;
-    std::array<std::uint32_t, kRecentSteps> deletes_;
+    RobotSteps steps_;
+    std::array<std::uint32_t, kRecentSteps> deletes_{};  // of the last one, two, ...
     std::size_t count_ = 0;
 };
 
 }  // namespace
 
-class Scorer::RememberingCounter : public Counter {
+class Scorer::RememberingCounter : public Counter, public ChildCounter {
 public:
     explicit RememberingCounter(const Scorer& scorer)
         : scorer_(scorer), tables_(*scorer.tables_), memory_(scorer.memories_->lend()) {}
     ~RememberingCounter() override { scorer_.memories_->take_back(std::move(memory_)); }
     RememberingCounter(const RememberingCounter&) = delete;
 
-    double count(const std::byte* node, const State& state, std::span<const OperatorId> relaxed_plan) override {
-        const Context context = read(node);
-        if (context.num_steps == 0 && relaxed_plan.empty()) return 0;
-        list_questions(context.situation, state, relaxed_plan);
-        find_odds(context);
-        if (are_odds_too_large_) return scorer_.score(node, state, relaxed_plan).num_inexplicable;
-        auto tally = tally_of<1>(context.chain);
-        for (const double odds : odds_) tally.append_odds(scorer_.factors_, odds);
-        return tally.mean();
+    double count(const std::byte* context, const State& state, std::span<const OperatorId> relaxed_plan) override {
+        start(context, state);
+        return count(-1, state, relaxed_plan);
+    }
+    ChildCounter* of_children() override { return this; }
+
+    void start(const std::byte* context, const State& state) override {
+        start_ = read(context);
+        open_ = tables_.open_goals(state);
+        is_too_large_ = false;
+        pending_ = odds_of(start_.pending);
+        is_start_too_large_ = is_too_large_;
+    }
+    double count(OperatorId step, const State& state, std::span<const OperatorId> relaxed_plan) override {
+        prefetch(step, relaxed_plan);
+        is_too_large_ = is_start_too_large_;
+        Situation situation = start_.situation;
+        Walk walk(*this, situation);
+        if (step >= 0 && !tables_.is_auxiliary(step)) {
+            walk.take(step);
+            scorer_.withdraw_requests(situation, state);
+            walk.look_at_requests();
+        }
+        walk.open = tables_.open_goals(state).bits();
+        for (std::size_t i = 0; i < relaxed_plan.size(); ++i) {
+            if (i + kAhead < relaxed_plan.size()) walk.prefetch(relaxed_plan[i + kAhead]);
+            if (!tables_.is_auxiliary(relaxed_plan[i])) walk.take(relaxed_plan[i]);
+        }
+        if (walk.last < 0) return 0;
+        walk.stand_side_by_side(-1, kNothing);
+        return is_too_large_ ? scorer_.count_after(start_, step, open_, state, relaxed_plan) : walk.tally.mean();
     }
 
 private:
-    // What are the odds that a step, or -1 for the end, leaves to the one before it and has itself of being inexplicable?
-    struct Question {
-        std::uint64_t key;   // all that the answer hangs on, but for steps taken back
-        std::uint64_t open;  // goals: a bit for each
-        double taking_back;  // score
-        OperatorId step;
-        bool changes_requests;
-    };
+    // How far labels are counted. Inlined, so that it stays in registers.
+    struct Walk {
+        Walk(RememberingCounter& counter, Situation& situation)
+            : counter(counter),
+              scorer(counter.scorer_),
+              memory(*counter.memory_),
+              situation(situation),
+              recent(counter.tables_, situation.robot_steps),
+              open(counter.open_.bits()),
+              last(situation.last),
+              neighbour(situation.neighbour),
+              pending(counter.pending_),
+              tally(tally_of<1>(counter.start_.chain)) {
+            look_at_requests();
+        }
 
-    void list_questions(Situation situation, const State& state, std::span<const OperatorId> relaxed_plan) {
-        for (const auto step : relaxed_plan) prefetch_line(&tables_.marks(step));
-        questions_.resize(relaxed_plan.size() + 1);
-        auto question = questions_.begin();
-        RecentSteps recent(tables_, situation);
-        auto open = tables_.open_goals(state).bits();
-        auto mind = mind_of(situation);
-        // How a step is seen by the next hangs on the mind in which it is taken. Since the last step of the path requests may have
-        // been withdrawn.
-        auto mind_before = both(situation.neighbour, -2) * kOfMind;  // -2: no human's step
-        for (const auto step : relaxed_plan) {
-            if (tables_.is_auxiliary(step)) continue;
-            const StepMarks& marks = tables_.marks(step);
-            const bool may_fulfil = marks.fulfils && situation.num_open > 0;
-            const auto mind_here = may_fulfil && scorer_.fulfils_open(situation, step) ? ~mind : mind;
-            const auto concerned = (open & marks.concerned) | std::uint64_t{open == 0} << StepMarks::kMaxGoals;
-            const auto key = both(step, situation.last) * kOfSteps + concerned * kOfGoals + (mind_here ^ std::rotl(mind_before, 32));
-            memory_->prefetch(key);
-            *question = {key, open, 0, step, marks.is_human || may_fulfil};
-            if (recent.may_be_taken_back(marks)) {
-                situation.robot_steps = recent.steps();
-                question->taking_back = scorer_.taking_back(situation, step);
+        [[gnu::always_inline]] void take(OperatorId step) {
+            const StepMarks& marks = counter.tables_.marks(step);
+            bool changes_requests = marks.is_human;
+            if (marks.is_human) {
+                stand_side_by_side(step, kHumanStep);
+                pending = 0;
+            } else {
+                changes_requests = (marks.fulfils & requests) != 0 && scorer.fulfils_open(situation, step);
+                const auto key = key_of(step, marks, mind + kOfFulfilling * changes_requests);
+                auto& own = memory.own(key);
+                if (!own.is_of(key)) [[unlikely]] counter.find(situation, step, open, key, own);
+                const double odds = own.odds;
+                stand_side_by_side(step, own.neighbour());
+                pending *= odds;
+                if (recent.may_be_taken_back(marks)) [[unlikely]] pending *= counter.odds_of_taking_back(recent.steps(), step);
+                recent.add(step, marks);
             }
             open &= ~marks.achieves;
-            mind_before = mind_here;
-            situation.last = step;
-            if (!marks.is_human) recent.add(step, marks);
-            if (question++->changes_requests) {
-                scorer_.remember_requests(situation, step);
-                mind = mind_of(situation);
+            if (changes_requests) {
+                scorer.remember_requests(situation, step);
+                look_at_requests();
             }
         }
-        const auto key = both(-1, situation.last) * kOfSteps + std::rotl(mind_before, 32);
-        memory_->prefetch(key);
-        *question++ = {key, 0, 0, -1, false};
-        questions_.erase(question, questions_.end());
-    }
+        void look_at_requests() {
+            mind = counter.mind_of(situation);
+            requests = 0;
+            for (const auto request : situation.requests()) requests |= StepMarks::bit_of(request);
+        }
+        // Most steps change neither what is open nor what anybody has in mind.
+        [[gnu::always_inline]] void prefetch(OperatorId step) const {
+            prefetch_line(&memory.own(key_of(step, counter.tables_.marks(step), mind)));
+        }
+        [[gnu::always_inline]] std::uint64_t key_of(OperatorId step, const StepMarks& marks, std::uint64_t mind_here) const {
+            const auto concerned = (open & marks.concerned) | std::uint64_t{open == 0} << StepMarks::kMaxGoals;
+            return static_cast<std::uint64_t>(step) * kOfSteps + concerned * kOfGoals + mind_here;
+        }
+        // Makes the label of the last step final.
+        [[gnu::always_inline]] void stand_side_by_side(OperatorId step, int seen_as) {
+            const auto key = StepMemory::pair_key(last, step);
+            auto& pair = memory.pair(key);
+            if (pair.key != key) [[unlikely]] counter.find(last, step, key, pair);
+            const Pair& beside = scorer.odds_beside_[place_of(seen_as, neighbour)];
+            if (last >= 0) tally.append_odds(scorer.factors_, pending * pair.odds_of_last * beside.of_last);
+            pending = pair.odds_of_step * beside.of_step;
+            last = step;
+            neighbour = seen_as;
+        }
 
-    // Of all steps whose labels are not in the context's chain.
-    void find_odds(const Context& context) {
-        odds_.clear();
-        are_odds_too_large_ = false;
-        Situation situation = context.situation;
-        auto up_to_date = questions_.begin();  // the requests of the situation, before this step
-        double pending = odds_of(context.pending);
-        for (auto question = questions_.begin(); question != questions_.end(); ++question) {
-            auto& place = (*memory_)[question->key];
-            if (place.key != question->key) {
-                for (; up_to_date != question; ++up_to_date)
-                    if (up_to_date->changes_requests) scorer_.remember_requests(situation, up_to_date->step);
-                const auto score = scorer_.judge(situation, question->step, OpenGoals(tables_.goals.size(), question->open));
-                const double odds_of_last = odds_of(score.of_last), odds_of_step = odds_of(score.of_step);
-                if (are_odds_too_large_) return;  // not remembered, lest the answer hang on what has been asked before
-                place = {question->key, odds_of_last, odds_of_step, score.neighbour};
-            }
-            if (situation.last >= 0) odds_.push_back(pending * place.odds_of_last);
-            pending = place.odds_of_step;
-            if (question->taking_back != 0) pending *= odds_of(question->taking_back);
-            situation.last = question->step;
-            situation.neighbour = place.neighbour;
+        RememberingCounter& counter;
+        const Scorer& scorer;
+        StepMemory& memory;
+        Situation& situation;  // requests and the last human step
+        RecentSteps recent;
+        std::uint64_t open;  // goals: a bit for each
+        std::uint64_t mind;      // what the person has in mind, as far as scores hang on it
+        std::uint32_t requests;  // open ones: some bit for each
+        OperatorId last;
+        int neighbour;   // the last as the next step sees it
+        double pending;  // odds of the last step, but for its look-ahead
+        Tally<1> tally;  // of all steps but the last
+    };
+
+    void prefetch(OperatorId last, std::span<const OperatorId> relaxed_plan) {
+        for (const auto step : relaxed_plan) {
+            prefetch_line(&tables_.marks(step));
+            prefetch_line(&memory_->pair(StepMemory::pair_key(last, step)));
+            last = step;
         }
+    }
+    // Not remembered if too large, lest the answer hang on what has been asked before.
+    [[gnu::noinline]] void find(const Situation& situation, OperatorId step, std::uint64_t open, std::uint64_t key,
+                                StepMemory::Own& place) {
+        int neighbour = kNothing;
+        const double odds = odds_of(scorer_.own_score(situation, step, OpenGoals(tables_.goals.size(), open), neighbour));
+        place = {is_too_large_ ? 0 : key, odds, neighbour};
+    }
+    [[gnu::noinline]] void find(OperatorId last, OperatorId step, std::uint64_t key, StepMemory::Pair& place) {
+        const TeamStep& before = tables_[last];
+        const TeamStep& after = tables_[step];
+        Pair odds = scorer_.odds_of_schemas_[scorer_.place_of_schemas(after, before)];
+        scorer_.odds_of_same_.for_equal(after, before, [&odds](const Pair& of_equal) { odds *= of_equal; });
+        place = {key, odds.of_step, odds.of_last};
+    }
+    [[gnu::noinline]] double odds_of_taking_back(const RobotSteps& recent, OperatorId step) {
+        const double score = scorer_.taking_back(recent, step);
+        return score == 0 ? 1 : odds_of(score);
     }
     double odds_of(double score) {
-        are_odds_too_large_ |= std::abs(score) > kMostScore && score != kExplicable;
+        is_too_large_ |= std::abs(score) > kMostScore && score != kExplicable;
         return std::exp(score);
     }
-    // What the person has in mind, as far as scores hang on it.
     std::uint64_t mind_of(const Situation& situation) const {
         return both(situation.request(), scorer_.uses_human_ ? situation.last_human : -1) * kOfMind;
     }
@@ -152,13 +202,14 @@ private:
     const Scorer& scorer_;
     const TeamTables& tables_;
     std::unique_ptr<StepMemory> memory_;
-    std::vector<Question> questions_;
-    std::vector<double> odds_;
-    bool are_odds_too_large_ = false;
+    Context start_;
+    OpenGoals open_{0};  // goals at the start
+    double pending_ = 0;  // odds of the last step at the start, but for its look-ahead
+    bool is_start_too_large_ = false, is_too_large_ = false;  // some odds
 };
 
 std::unique_ptr<Counter> Scorer::counter() const {
-    const bool can_remember = expected_ && tables_->goals.size() <= StepMarks::kMaxGoals;
+    const bool can_remember = has_odds_ && tables_->goals.size() <= StepMarks::kMaxGoals;
     return can_remember ? std::make_unique<RememberingCounter>(*this) : PathScorer::counter();
 }
 

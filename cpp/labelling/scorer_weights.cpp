@@ -1,6 +1,7 @@
 // The weights of features as a scorer wants them: those that are always added together summed up beforehand.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -9,6 +10,8 @@
 
 namespace explicable {
 namespace {
+
+constexpr double kMostPairScore = 200;  // up to which pairs are odds
 
 bool any(const std::vector<double>& weights) {
     return std::ranges::any_of(weights, [](double weight) { return weight != 0; });
@@ -39,6 +42,7 @@ Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const
                   [&](std::size_t step, std::size_t human, std::size_t i, std::size_t j) {
                       return of_arguments(*tables_, weights.of(Template::kSameHuman), step, human, i, j);
                   }),
+      odds_of_same_(same_),
       memories_(std::make_shared<StepMemories>(static_cast<std::size_t>(tables_->num_operators()))),
       transitions_(transitions),
       factors_(),
@@ -51,6 +55,7 @@ Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const
     if (!std::ranges::all_of(own_, [](double score) { return std::isfinite(score); }))
         throw std::invalid_argument("a score is not finite");
     sum_up(weights);
+    find_odds();
     double largest = -std::numeric_limits<double>::infinity();
     for (const auto& row : transitions)
         for (const auto transition : row) {
@@ -60,6 +65,17 @@ Scorer::Scorer(const Task& task, std::shared_ptr<const TeamTables> tables, const
     for (std::size_t i = 0; i < 2; ++i)
         for (std::size_t j = 0; j < 2; ++j) factors_[i][j] = std::exp(transitions[i][j] - largest);
     find_bounds();
+}
+
+void Scorer::find_odds() {
+    const auto size = [](const Pair& pair) { return std::max(std::abs(pair.of_step), std::abs(pair.of_last)); };
+    const auto most = [size](const std::vector<Pair>& pairs) { return size(std::ranges::max(pairs, {}, size)); };
+    if (!expected_ || !(most(schemas_) + same_.most(size) + most(beside_) <= kMostPairScore)) return;
+    has_odds_ = true;
+    const auto odds = [](const Pair& pair) { return Pair{std::exp(pair.of_step), std::exp(pair.of_last)}; };
+    std::ranges::transform(schemas_, std::back_inserter(odds_of_schemas_), odds);
+    std::ranges::transform(beside_, std::back_inserter(odds_beside_), odds);
+    odds_of_same_ = same_.map(odds);
 }
 
 void Scorer::sum_up(const FeatureWeights& weights) {

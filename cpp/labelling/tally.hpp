@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "labelling/lanes.hpp"
+
 namespace explicable {
 
 // For each label of the last step its weight, and that weight times the mean of each power of the number of inexplicable
@@ -18,9 +20,9 @@ public:
         : start_((1 - p) * count[0] + p * count[1]), is_empty_(is_empty) {
         for (std::size_t label = 0; label < 2; ++label) {
             const double weight = label == 1 ? p : 1 - p, beyond = count[label] - start_;
-            moment_[0][label] = weight;
-            moment_[1][label] = weight * beyond;
-            if constexpr (kPowers > 1) moment_[2][label] = weight * (variance[label] + beyond * beyond);
+            moment_[label][0] = weight;
+            moment_[label][1] = weight * beyond;
+            if constexpr (kPowers > 1) moment_[label][2] = weight * (variance[label] + beyond * beyond);
         }
     }
 
@@ -37,41 +39,47 @@ public:
         // Looked up rather than branched on: which of the two is less likely cannot be predicted.
         const std::array<double, 2> factor{1, std::exp(-std::abs(score))};
         const bool likely = score > 0;
-        for (auto& of_labels : moment_) {
-            of_labels[0] *= factor[likely];
-            of_labels[1] *= factor[!likely];
-        }
+        for (double& of_power : moment_[0]) of_power *= factor[likely];
+        for (double& of_power : moment_[1]) of_power *= factor[!likely];
         if (const double sum = total(0); sum < 1e-30) scale(sum);
     }
     // The same with odds of no more than 1e270.
     void append_odds(const std::array<std::array<double, 2>, 2>& factors, double odds) {
-        add_step(factors);
-        for (auto& of_labels : moment_) of_labels[1] *= odds;
+        if (is_empty_) [[unlikely]] {
+            add_step(factors);
+            for (double& of_power : moment_[1]) of_power *= odds;
+        } else if constexpr (kPowers == 1) {
+            const Two before{moment_[0][0], moment_[0][1]}, other{moment_[1][0], moment_[1][1]};
+            const Two of_other = before * (factors[0][1] * odds) + other * (factors[1][1] * odds);
+            const Two of_explicable = before * factors[0][0] + other * factors[1][0];
+            moment_ = {{{of_explicable[0], of_explicable[1]}, {of_other[0], of_other[1] + of_other[0]}}};
+        }
         if (const double sum = total(0); sum < 1e-30 || sum > 1e30) scale(sum);
     }
 
 private:
     void add_step(const std::array<std::array<double, 2>, 2>& factors) {
+        auto& [explicable, other] = moment_;
         if (is_empty_)
-            moment_[0] = {1, 1};
+            explicable[0] = other[0] = 1;
         else
-            for (auto& [explicable, other] : moment_) {
-                const double before = explicable;
-                explicable = before * factors[0][0] + other * factors[1][0];
-                other = before * factors[0][1] + other * factors[1][1];
+            for (std::size_t power = 0; power <= kPowers; ++power) {
+                const double before = explicable[power];
+                explicable[power] = before * factors[0][0] + other[power] * factors[1][0];
+                other[power] = before * factors[0][1] + other[power] * factors[1][1];
             }
         is_empty_ = false;
         // One more is inexplicable: (c + 1)^2 = c^2 + 2 c + 1.
-        if constexpr (kPowers > 1) moment_[2][1] += 2 * moment_[1][1] + moment_[0][1];
-        moment_[1][1] += moment_[0][1];
+        if constexpr (kPowers > 1) other[2] += 2 * other[1] + other[0];
+        other[1] += other[0];
     }
     void scale(double sum) {
-        for (auto& of_labels : moment_)
-            for (double& of_label : of_labels) of_label /= sum;
+        for (auto& of_powers : moment_)
+            for (double& of_power : of_powers) of_power /= sum;
     }
-    double total(std::size_t power) const { return moment_[power][0] + moment_[power][1]; }
+    double total(std::size_t power) const { return moment_[0][power] + moment_[1][power]; }
 
-    std::array<std::array<double, 2>, kPowers + 1> moment_{};  // power, label
+    std::array<std::array<double, kPowers + 1>, 2> moment_{};  // label, power
     double start_;
     bool is_empty_;
 };

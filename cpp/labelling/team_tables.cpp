@@ -159,7 +159,7 @@ void TeamTables::find_requests(const Task& task) {
             for (const auto fact : task.preconditions[op])
                 fulfilled.insert(requests_of_fact[fact].begin(), requests_of_fact[fact].end());
         fulfils.push_back(fulfilled);
-        marks_[op + 1].fulfils = !fulfilled.empty();
+        for (const auto request : fulfilled) marks_[op + 1].fulfils |= StepMarks::bit_of(request);
     }
 }
 

@@ -149,9 +149,10 @@ struct StepMarks {
     std::uint64_t concerned = 0;          // a bit for each goal on which its progress toward the goals depends
     std::uint64_t achieves = 0;           // a bit for each goal
     std::uint32_t adds = 0, deletes = 0;  // some bits for each fact, shared by many
+    std::uint32_t fulfils = 0;            // some bit for each request, shared by many
     bool is_human = false;
-    bool fulfils = false;  // some request
 
+    static std::uint32_t bit_of(std::int32_t request) { return std::uint32_t{1} << (request & 31); }
     // Quick; false only if this step surely does not take back the earlier one.
     bool may_take_back(const StepMarks& earlier) const { return (adds & ~earlier.deletes) == 0; }
 };

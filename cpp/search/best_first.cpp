@@ -19,6 +19,7 @@ Status BestFirstSearch::run(Monitor& monitor, std::int64_t slice) {
     if (!started_) {
         started_ = true;
         const NodeId root = nodes_.add_root(question_.initial);
+        if (evaluator_) evaluator_->start_children(nodes_, root, question_.initial);
         evaluate(root, monitor);
         push(root, false);
     }
@@ -49,7 +50,7 @@ void BestFirstSearch::evaluate(NodeId node, Monitor& monitor) {
     ++monitor.evaluations;
     nodes_.state(node, state_);
     const double h = options_.admissible ? options_.admissible->evaluate(state_)
-                                         : evaluator_->evaluate(nodes_, node, state_);
+                                         : evaluator_->evaluate_child(nodes_, node, state_);
     h_.push_back(h);
     expanded_.push_back(false);
 }
@@ -87,6 +88,7 @@ void BestFirstSearch::expand(NodeId node, Monitor& monitor) {
         evaluator_->preferred(options_.preferred, applicable_, marked_);
         for (const OperatorId step : marked_) is_marked_[step] = 1;
     }
+    if (evaluator_) evaluator_->start_children(nodes_, node, state_);
     for (const OperatorId step : applicable_) {
         const auto arrival = nodes_.add(node, step);
         const bool promising = !is_marked_.empty() && is_marked_[step];

@@ -40,7 +40,7 @@ NodeId NodeStore::add_root(const State& state, const std::byte* context) {
     if (scorer_ && !context) scorer_->root(state, context_.data());
     if (by_context()) return insert_by_context(0, -1, -1).node;
     registry_.insert(words_.data());
-    return append(0, -1, -1);
+    return append(0, -1, -1, true);
 }
 
 NodeStore::Arrival NodeStore::add(NodeId parent, OperatorId step) {
@@ -53,8 +53,8 @@ NodeStore::Arrival NodeStore::add(NodeId parent, OperatorId step) {
     }
     const auto [node, is_new] = registry_.insert(words_.data());
     if (!is_new) return {node, false, cost < nodes_.row(node)->cost};
-    if (scorer_) extend(parent, step, words_.data());
-    return {append(cost, parent, step), true, false};
+    if (charges_) extend(parent, step, words_.data());
+    return {append(cost, parent, step, charges_), true, false};
 }
 
 // Sets context_ and after_ to what `step` from `parent` to the state `to` makes of them.
@@ -62,7 +62,7 @@ void NodeStore::extend(NodeId parent, OperatorId step, const Word* to) {
     if (parent != parent_before_) unpack(words(parent), before_);
     parent_before_ = parent;
     unpack(to, after_);
-    scorer_->extend(contexts_.row(parent), step, before_, after_, context_.data());
+    scorer_->extend(context(parent), step, before_, after_, context_.data());
 }
 
 bool NodeStore::dominates(const Rival& a, std::int64_t cost_a, const std::byte* context_a, const Rival& b,
@@ -84,14 +84,14 @@ NodeStore::Arrival NodeStore::insert_by_context(std::int64_t cost, NodeId parent
     const PathScore score = scorer_->score(context_.data(), after_, {});
     Rival rival{state, -1, score.num_inexplicable, score.num_steps, false};
     for (NodeId other = first_rival_[state]; other >= 0; other = rivals_[other].next) {
-        if (dominates(rivals_[other], nodes_.row(other)->cost, contexts_.row(other), rival, cost, context_.data())) {
+        if (dominates(rivals_[other], nodes_.row(other)->cost, contexts_.row(places_[other]), rival, cost, context_.data())) {
             return {other, false, false};
         }
     }
     NodeId* link = &first_rival_[state];
     while (*link >= 0) {
         Rival& other = rivals_[*link];
-        if (dominates(rival, cost, context_.data(), other, nodes_.row(*link)->cost, contexts_.row(*link))) {
+        if (dominates(rival, cost, context_.data(), other, nodes_.row(*link)->cost, contexts_.row(places_[*link]))) {
             other.dominated = true;
             *link = other.next;
         } else {
@@ -99,24 +99,40 @@ NodeStore::Arrival NodeStore::insert_by_context(std::int64_t cost, NodeId parent
         }
     }
     rival.next = first_rival_[state];
-    const NodeId node = append(cost, parent, step);
+    const NodeId node = append(cost, parent, step, true);
     rivals_.push_back(rival);
     first_rival_[state] = node;
     return {node, true, false};
 }
 
-NodeId NodeStore::append(std::int64_t cost, NodeId parent, OperatorId step) {
+// Takes what is in context_ for its context, or none.
+NodeId NodeStore::append(std::int64_t cost, NodeId parent, OperatorId step, bool has_context) {
     const auto node = static_cast<NodeId>(nodes_.size());
     *nodes_.append() = {cost, parent, step};
-    if (scorer_) std::memcpy(contexts_.append(), context_.data(), context_.size());
+    if (!scorer_) return node;
+    places_.push_back(-1);
+    if (has_context) append_context(node);
     return node;
+}
+
+void NodeStore::append_context(NodeId node) {
+    places_[node] = static_cast<std::int32_t>(contexts_.size());
+    std::memcpy(contexts_.append(), context_.data(), context_.size());
+}
+
+const std::byte* NodeStore::context(NodeId node) {
+    if (places_[node] < 0) {
+        extend(nodes_.row(node)->parent, nodes_.row(node)->step, words(node));
+        append_context(node);
+    }
+    return contexts_.row(places_[node]);
 }
 
 void NodeStore::reparent(NodeId node, NodeId parent, OperatorId step) {
     *nodes_.row(node) = {nodes_.row(parent)->cost + task_.cost[step], parent, step};
-    if (!scorer_) return;
+    if (!scorer_ || places_[node] < 0) return;
     extend(parent, step, words(node));
-    std::memcpy(contexts_.row(node), context_.data(), context_.size());
+    std::memcpy(contexts_.row(places_[node]), context_.data(), context_.size());
 }
 
 void NodeStore::unpack(const Word* words, State& state) const {
@@ -137,7 +153,7 @@ std::vector<OperatorId> NodeStore::path(NodeId node) const {
 }
 
 std::size_t NodeStore::memory_bytes() const {
-    return registry_.memory_bytes() + nodes_.memory_bytes() + contexts_.memory_bytes() +
+    return registry_.memory_bytes() + nodes_.memory_bytes() + contexts_.memory_bytes() + places_.capacity() * sizeof(places_[0]) +
            rivals_.capacity() * sizeof(Rival) + first_rival_.capacity() * sizeof(NodeId);
 }
 

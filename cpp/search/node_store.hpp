@@ -39,8 +39,10 @@ public:
     const Word* words(NodeId node) const { return registry_[by_context() ? rivals_[node].state : node]; }  // packed state
     std::int64_t cost(NodeId node) const { return nodes_.row(node)->cost; }
     // Cost and charge.
-    double spent(NodeId node) const { return spent(nodes_.row(node)->cost, scorer_ ? contexts_.row(node) : nullptr); }
-    const std::byte* context(NodeId node) const { return contexts_.row(node); }
+    double spent(NodeId node) const { return spent(nodes_.row(node)->cost, charges_ ? contexts_.row(places_[node]) : nullptr); }
+    // It stays where it is. If there is one node a state and paths are not charged, it is made when it is first asked for.
+    const std::byte* context(NodeId node);
+    OperatorId step(NodeId node) const { return nodes_.row(node)->step; }  // that led there; -1 for the root
     bool is_dominated(NodeId node) const { return by_context() && rivals_[node].dominated; }
     std::vector<OperatorId> path(NodeId node) const;
     std::int32_t size() const { return static_cast<std::int32_t>(nodes_.size()); }
@@ -74,6 +76,7 @@ private:
     StateRegistry registry_;  // of states, or of states with closing keys
     Rows<Node> nodes_;
     Rows<std::byte> contexts_;
+    std::vector<std::int32_t> places_;  // of nodes in contexts_, or -1
     std::vector<Rival> rivals_;
     std::vector<NodeId> first_rival_;  // by number in the registry
     std::vector<Word> words_;
@@ -88,7 +91,8 @@ private:
     bool dominates(const Rival& a, std::int64_t cost_a, const std::byte* context_a, const Rival& b, std::int64_t cost_b,
                    const std::byte* context_b) const;
     void unpack(const Word* words, State& state) const;
-    NodeId append(std::int64_t cost, NodeId parent, OperatorId step);
+    NodeId append(std::int64_t cost, NodeId parent, OperatorId step, bool has_context);
+    void append_context(NodeId node);
     void extend(NodeId parent, OperatorId step, const Word* to);
     Arrival insert_by_context(std::int64_t cost, NodeId parent, OperatorId step);
 };

@@ -17,12 +17,23 @@ struct PathScore {
     int num_steps;
 };
 
+// Counts the inexplicable steps of one node's children, which need no contexts for that.
+class ChildCounter {
+public:
+    virtual ~ChildCounter() = default;
+    virtual void start(const std::byte* parent, const State& state) = 0;
+    // `step` leads to the child, which has `state`.
+    virtual double count(OperatorId step, const State& state, std::span<const OperatorId> relaxed_plan) = 0;
+};
+
 // Answers one search, which asks about one node after another; it may remember what it has been asked.
 class Counter {
 public:
     virtual ~Counter() = default;
     // The number of inexplicable steps alone, which is all that a search asks for.
     virtual double count(const std::byte* context, const State& state, std::span<const OperatorId> relaxed_plan) = 0;
+    // None: the children are to be asked about as any other node.
+    virtual ChildCounter* of_children() { return nullptr; }
 };
 
 // Thread-safe: all methods are const and keep what they need in the contexts that the caller owns.

@@ -286,6 +286,10 @@ class Scorer(PathScorer):
         """Return the expected number of inexplicable steps, its variance, and the number of steps."""
     def count(self, context: bytes, state: bytes, relaxed_plan: list[int]) -> float:
         """Return the first of these alone, as a search asks for it: with a memory of earlier questions."""
+    def count_child(
+        self, parent: bytes, step: int, before: bytes, after: bytes, relaxed_plan: list[int]
+    ) -> float:
+        """Return the same of a child of `parent`, as a search asks for it."""
     def closing_key(self, context: bytes) -> int: ...
     def lead(self, a: bytes, b: bytes, state: bytes) -> float: ...
     def least_count(self, context: bytes) -> float: ...

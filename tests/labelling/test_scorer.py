@@ -53,7 +53,7 @@ def test_scores_equal_scores_from_scratch(team, expected, seed):
 
 
 @pytest.mark.parametrize("expected", [True, False])
-@pytest.mark.parametrize("scale", [1, 30])
+@pytest.mark.parametrize("scale", [1, 15, 30])
 @settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1))
 def test_counts_with_a_memory_are_the_counts_without(team, expected, scale, seed):
@@ -72,6 +72,10 @@ def test_counts_with_a_memory_are_the_counts_without(team, expected, scale, seed
             count = scorer.count(context, states[-1], tail)
             assert count == pytest.approx(scorer.score(context, states[-1], tail)[0], abs=1e-9)
             assert scorer.count(context, states[-1], tail) == count
+            if operators:
+                parent = extend_all(scorer, operators[:-1], states[:-1])
+                child = scorer.count_child(parent, operators[-1], states[-2], states[-1], tail)
+                assert child == pytest.approx(count, abs=1e-9)
 
 
 def alike(team, scorer, key, rng, num_walks=3000):
