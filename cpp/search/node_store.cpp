@@ -59,10 +59,11 @@ NodeStore::Arrival NodeStore::add(NodeId parent, OperatorId step) {
 
 // Sets context_ and after_ to what `step` from `parent` to the state `to` makes of them.
 void NodeStore::extend(NodeId parent, OperatorId step, const Word* to) {
+    const std::byte* const of_parent = context(parent);
     if (parent != parent_before_) unpack(words(parent), before_);
     parent_before_ = parent;
     unpack(to, after_);
-    scorer_->extend(context(parent), step, before_, after_, context_.data());
+    scorer_->extend(of_parent, step, before_, after_, context_.data());
 }
 
 bool NodeStore::dominates(const Rival& a, std::int64_t cost_a, const std::byte* context_a, const Rival& b,
@@ -121,9 +122,11 @@ void NodeStore::append_context(NodeId node) {
 }
 
 const std::byte* NodeStore::context(NodeId node) {
-    if (places_[node] < 0) {
-        extend(nodes_.row(node)->parent, nodes_.row(node)->step, words(node));
-        append_context(node);
+    std::vector<NodeId> without;
+    for (NodeId at = node; places_[at] < 0; at = nodes_.row(at)->parent) without.push_back(at);
+    for (auto at = without.rbegin(); at != without.rend(); ++at) {
+        extend(nodes_.row(*at)->parent, nodes_.row(*at)->step, words(*at));
+        append_context(*at);
     }
     return contexts_.row(places_[node]);
 }

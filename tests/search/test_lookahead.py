@@ -1,12 +1,14 @@
 """Look-ahead changes where search looks first, not what is true; improved plans cost no more."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tiny_strategies import tiny_tasks
 
 from explicable import _core
-from explicable.model.grounding import ground
+from explicable.first_response import encode, generate
+from explicable.model.grounding import ground, ground_team
 from explicable.pddl import parse_domain, parse_problem
 from explicable.search import search
 from oracles.tiny_tasks import TinyEffect, TinyOperator, TinyTask
@@ -79,6 +81,26 @@ def test_labelled_contexts_follow_the_steps_of_a_lookahead(tiny, data, closing):
     result = search(task, scorer=replaying, **options)
     assert result.operators == search(task, scorer=compiled, **options).operators
     assert result.outcome is search(task).outcome
+
+
+def test_contexts_of_a_lookahead_that_ends_short_of_the_goal():
+    # Nobody asks about the steps on the way, so their contexts are made at the end.
+    class Following:
+        def root(self, state):
+            return state
+
+        def extend(self, context, step, before, after):
+            assert before == context
+            assert after == task.successor(before, step)
+            return after
+
+        def score(self, context, state, relaxed_plan):
+            assert context == state
+            return 0.0, 0.0, len(relaxed_plan)
+
+    task = ground_team(encode(generate(np.random.default_rng(1)))).task
+    following = _core.CallbackScorer(task.core, Following())
+    assert search(task, "lazy", scorer=following, closing="state", lookahead=True).evaluations > 1
 
 
 def test_a_lookahead_goes_back_for_what_it_has_lost():
